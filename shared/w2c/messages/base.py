@@ -1,0 +1,115 @@
+"""What all messages share, and the messages every service sends."""
+
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+# Bounds that keep a hostile or broken sender from filling a receiver's memory.
+Text = Annotated[str, msgspec.Meta(max_length=20_000)]
+Name = Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
+Stamp = Annotated[int, msgspec.Meta(ge=0)]
+
+
+class Message(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, eq=False):
+    """Base of every message. Not comparable with ==, because arrays are not: compare encoded bytes."""
+
+
+def check_array(
+    name: str,
+    value: Array,
+    shape: tuple[int | None, ...],
+    *,
+    finite: bool = True,
+    dtype: npt.DTypeLike = np.float64,
+) -> None:
+    """Raise ValueError unless `value` has this dtype, this shape (None = any length) and is finite."""
+    if value.dtype != np.dtype(dtype):
+        raise ValueError(f"{name}: dtype {value.dtype}, expected {np.dtype(dtype)}")
+    fits = value.ndim == len(shape) and all(
+        want is None or have == want for have, want in zip(value.shape, shape, strict=True)
+    )
+    if not fits:
+        raise ValueError(f"{name}: shape {value.shape}, expected {shape} (None = any length)")
+    if finite and not np.isfinite(value).all():
+        raise ValueError(f"{name}: holds NaN or infinity, expected finite numbers")
+
+
+class Empty(Message, frozen=True, kw_only=True):
+    """A request without parameters, or a reply that only says that it was done."""
+
+
+class ErrorReply(Message, frozen=True, kw_only=True):
+    """Why a call gave no result. `code` is one of `w2c.errors.error_codes()`."""
+
+    code: Name
+    message: Text
+    retryable: bool = False
+
+
+class Health(Message, frozen=True, kw_only=True):
+    """The state of one process, published once a second."""
+
+    stamp_ns: Stamp
+    service: Name
+    instance: Name
+    phase: Name
+    """configure, ready, drain or failed."""
+    detail: Text = ""
+    """What the process is doing, or why it is not ready; for people."""
+    pid: int
+    cpu_percent: float
+    """Share of one core [%], since the last report."""
+    memory_mb: float
+    queue_length: int = 0
+    """Requests that wait in this replica."""
+    counters: dict[str, int] = {}
+    """Drops and refusals since the start, by cause (late, malformed, unreachable ...)."""
+
+
+class LogRecord(Message, frozen=True, kw_only=True):
+    """One line of a log."""
+
+    stamp_ns: Stamp
+    level: Name
+    logger: Name
+    text: Text
+    fields: dict[str, str] = {}
+
+
+class CallTrace(Message, frozen=True, kw_only=True):
+    """One call from one service to another, published by the caller. Time-outs are traced too."""
+
+    service: Name
+    method: Name
+    instance: str
+    outcome: Name
+    """ok, or the code of the error."""
+    duration_ms: float
+    request: bytes
+    """The encoded request."""
+    reply: bytes
+    """The encoded reply; empty where none came."""
+    error: Text = ""
+
+
+class ProcessState(Message, frozen=True, kw_only=True):
+    """One row of the launcher's table."""
+
+    name: Name
+    phase: Name
+    """starting, ready, restarting, failed or stopped."""
+    pid: int | None
+    restarts: int
+    detail: Text = ""
+
+
+class ProcessTable(Message, frozen=True, kw_only=True):
+    """What the launcher looks after."""
+
+    stamp_ns: Stamp
+    run_directory: Text
+    processes: list[ProcessState]

@@ -1,0 +1,136 @@
+"""Messages to and from the controller."""
+
+from typing import Annotated, Literal
+
+import msgspec
+import numpy as np
+
+from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
+
+EndEffector = Literal["left_foot", "right_foot", "left_hand", "right_hand"]
+Task = Literal["contact", "reach"]
+Phase = Literal[
+    "starting", "hold", "approach", "touch", "load", "contact", "reach", "unload", "retreat", "stopped"
+]
+
+
+class JointCommand(Message, frozen=True, kw_only=True):
+    """Joint angles to be reached by the next tick."""
+
+    tick: Stamp
+    """The tick of the state that this command answers."""
+    position: Array
+    """(n,) in the order of the description [rad]"""
+
+    def __post_init__(self) -> None:
+        """Refuse NaN, infinity and wrong shapes: this moves a robot."""
+        check_array("position", self.position, (None,))
+
+
+class PlaceGoal(Message, frozen=True, kw_only=True):
+    """Bring an end effector to a point on a surface, to touch it or to lean on it."""
+
+    goal_id: Name
+    end_effector: EndEffector
+    task: Task
+    point: Array
+    """(3,) on the surface, in the world [m]"""
+    normal: Array
+    """(3,) of the surface, out of it, in the world"""
+    effective_tick: int = -1
+    """The tick at which the goal takes effect; -1 = as soon as it arrives."""
+
+    def __post_init__(self) -> None:
+        """Refuse NaN, a normal that has no direction, and points no robot could mean."""
+        check_array("point", self.point, (3,))
+        check_array("normal", self.normal, (3,))
+        length = float(np.linalg.norm(self.normal))
+        if length < 1e-6:
+            raise ValueError(f"normal: length {length:g}, expected a direction (length 1)")
+        distance = float(np.linalg.norm(self.point))
+        if distance > 10.0:
+            raise ValueError(f"point: {distance:.1f} m from the origin, limit 10 m; unit is metres")
+
+
+class ReleaseGoal(Message, frozen=True, kw_only=True):
+    """Take a hand off its support, or out of its reach, and bring it back."""
+
+    goal_id: Name
+    end_effector: EndEffector
+    effective_tick: int = -1
+
+
+class GoalReply(Message, frozen=True, kw_only=True):
+    """The controller took the goal. Progress follows as `GoalEvent` and `ControllerStatus`."""
+
+    goal_id: Name
+    start_tick: int
+
+
+class PreviewReply(Message, frozen=True, kw_only=True):
+    """Whether a goal could be reached from here, found on the model without moving."""
+
+    reachable: bool
+    distance: float
+    """What would be left between the end effector and the point [m]"""
+    reason: Text = ""
+
+
+class GoalEvent(Message, frozen=True, kw_only=True):
+    """A goal changed its state."""
+
+    stamp_ns: Stamp
+    goal_id: Name
+    end_effector: EndEffector
+    task: Task
+    state: Literal["accepted", "moving", "touched", "loaded", "reached", "unreachable", "released", "aborted"]
+    reason: Text = ""
+    distance: float = -1.0
+    """Between end effector and point, by the model [m]; -1 where it has no meaning"""
+
+
+class ControllerStatus(Message, frozen=True, kw_only=True):
+    """What the controller does and how well it keeps time, published at 20 Hz."""
+
+    stamp_ns: Stamp
+    tick: Stamp
+    phase: Phase
+    goal_id: str = ""
+    end_effector: str = ""
+    task: str = ""
+    distance: float = -1.0
+    """What is left to the target, by the model [m]; -1 without a goal"""
+    in_contact: tuple[bool, bool, bool, bool]
+    """left foot, right foot, left hand, right hand"""
+    desired_forces: Array
+    """(4, 3) what the environment shall exert, in the world [N]"""
+    end_effector_positions: Array
+    """(4, 3) desired, in the world [m]"""
+    loads: Array
+    """(4,) normal force [N]: measured at the feet and the left wrist; the right hand's from torques"""
+    solver_failures: int
+    lateness_us: dict[str, float]
+    """p50, p99, max of the last seconds [us]; gaps_20ms since the start [count]"""
+    tick_us: dict[str, float]
+    """p50, p99 of the time a tick takes [us]"""
+    message: Text = ""
+    """For the operator: why it holds, what it waits for"""
+
+    def __post_init__(self) -> None:
+        """Refuse arrays of the wrong shape."""
+        check_array("desired_forces", self.desired_forces, (4, 3))
+        check_array("end_effector_positions", self.end_effector_positions, (4, 3))
+        check_array("loads", self.loads, (4,))
+
+
+class StopRequest(Message, frozen=True, kw_only=True):
+    """Hold still, now. Idempotent."""
+
+    reason: Annotated[str, msgspec.Meta(max_length=1000)] = ""
+
+
+class StopReply(Message, frozen=True, kw_only=True):
+    """The robot holds. `mode` is the driver's mode after the request."""
+
+    mode: Name
+    stamp_ns: Stamp

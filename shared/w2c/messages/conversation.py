@@ -1,0 +1,85 @@
+"""Messages between operator and dialogue."""
+
+from typing import Annotated, Literal
+
+import msgspec
+
+from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
+from w2c.messages.control import EndEffector, Task
+from w2c.messages.models import Box
+
+
+class Target(Message, frozen=True, kw_only=True):
+    """The point the system understood. Only meaningful with the frame it was chosen in."""
+
+    target_id: Name
+    frame_stamp_ns: Stamp
+    u: float
+    v: float
+    """Pixel in that frame"""
+    point: Array | None
+    """(3,) in the world [m]; None without depth"""
+    normal: Array | None
+    """(3,)"""
+    state: Literal["proposed", "confirmed", "reached", "in_contact", "abandoned"]
+    corrections: int = 0
+    instruction: Text = ""
+    """The words that asked for it"""
+    boxes: list[Box] = []
+    """What was found for the objects in the words, in order of mention"""
+    phrases: list[str] = []
+    warning: Text = ""
+
+    def __post_init__(self) -> None:
+        """Refuse arrays of the wrong shape."""
+        if self.point is not None:
+            check_array("point", self.point, (3,))
+        if self.normal is not None:
+            check_array("normal", self.normal, (3,))
+
+
+class SayRequest(Message, frozen=True, kw_only=True):
+    """What the operator said, and the frame that was on the screen meanwhile."""
+
+    text: Annotated[str, msgspec.Meta(min_length=1, max_length=500)]
+    frame_stamp_ns: int = -1
+    """-1: the operator saw no picture; the newest frame is meant"""
+    target_id: str = ""
+    """The target on the screen, so that a spoken "yes" confirms what was seen; empty: none"""
+
+
+class ConfirmRequest(Message, frozen=True, kw_only=True):
+    """Go there. A target that is no longer the current one is refused."""
+
+    target_id: Name
+
+
+class PointRequest(Message, frozen=True, kw_only=True):
+    """The operator points instead of speaking."""
+
+    u: float
+    v: float
+    frame_stamp_ns: int = -1
+    end_effector: EndEffector | None = None
+    task: Task | None = None
+
+
+class Turn(Message, frozen=True, kw_only=True):
+    """One exchange: what was said, what was understood, what was answered."""
+
+    stamp_ns: Stamp
+    text: Text
+    module: Name
+    """prediction.absolute, prediction.relative, correction, confirmation, point or none"""
+    reply: Text
+    """To the operator"""
+    ok: bool
+    """False: nothing changed; the reply says why and what to do"""
+    target: Target | None = None
+    goal_id: str = ""
+    end_effector: str = ""
+    task: str = ""
+    seconds: float
+    """From the utterance to the answer [s]"""
+    steps: dict[str, float] = {}
+    """Where the time went [s]: selector, analyzer, grounding, relative, correction, lift ..."""

@@ -1,0 +1,60 @@
+"""Messages of perception."""
+
+from typing import Annotated
+
+import msgspec
+
+from w2c.messages.base import Array, Message, Stamp, Text, check_array
+
+
+class CameraView(Message, frozen=True, kw_only=True):
+    """Where the camera was when it took a frame: enough to project a world point into that frame."""
+
+    stamp_ns: Stamp
+    """Of the frame"""
+    world_from_camera: Array
+    """(4, 4)"""
+    intrinsics: tuple[float, float, float, float]
+    """fx, fy, cx, cy [px]"""
+    width: int
+    height: int
+
+    def __post_init__(self) -> None:
+        """Refuse arrays of the wrong shape."""
+        check_array("world_from_camera", self.world_from_camera, (4, 4))
+
+
+class LiftRequest(Message, frozen=True, kw_only=True):
+    """Which point of the world is behind this pixel of this frame?"""
+
+    u: float
+    v: float
+    frame_stamp_ns: Stamp
+    """Of the frame the pixel was chosen in; must be in the buffer of the last seconds"""
+    footprint: Annotated[float, msgspec.Meta(gt=0, le=0.5)] = 0.03
+    """Radius of what will touch the surface there [m]"""
+
+
+class LiftReply(Message, frozen=True, kw_only=True):
+    """A point on a surface, with what is known of the surface around it."""
+
+    point: Array
+    """(3,) in the world [m]"""
+    normal: Array
+    """(3,) unit, out of the surface, towards the camera, in the world"""
+    error_bound: float
+    """The point is within this distance of the truth, as far as the sensor knows [m]"""
+    flatness: float
+    """Root mean square distance of the surface to its plane inside the footprint [m]"""
+    slope: float
+    """Between normal and vertical [rad]"""
+    extent: float
+    """Radius of the flat surface around the point [m]"""
+    frame_stamp_ns: Stamp
+    warning: Text = ""
+    """What an operator should know: near an edge, rough, steep"""
+
+    def __post_init__(self) -> None:
+        """Refuse arrays of the wrong shape."""
+        check_array("point", self.point, (3,))
+        check_array("normal", self.normal, (3,))

@@ -1,0 +1,151 @@
+"""The life cycle every process shares: configure, ready, run, drain, stop.
+
+A service gives a node: an object with `configure()`, `run(stop)` and `close()`. This module gives it a bus, a
+clock, a log, health reports, and an orderly end at SIGTERM and SIGINT.
+"""
+
+import logging
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+import psutil
+
+from w2c import topics
+from w2c.bus import Bus
+from w2c.clock import Clock, RealClock
+from w2c.config import ServiceConfig, fail, parse
+from w2c.errors import W2CError
+from w2c.extras import needs_extra
+from w2c.logs import configure_logs
+from w2c.messages import Health
+
+C = TypeVar("C", bound=ServiceConfig)
+
+HEALTH_PERIOD_S = 1.0
+
+
+class Node(Protocol):
+    """One process's bus in, bus out."""
+
+    def configure(self) -> None:
+        """Load models, declare subscriptions and methods. The process is ready when this returns."""
+
+    def run(self, stop: threading.Event) -> None:
+        """Work until `stop` is set, then return within a second."""
+
+    def close(self) -> None:
+        """Release what `configure` took. Called in every case, after an error too."""
+
+
+class HealthReporter:
+    """Publishes the state of the process once a second, from a thread of its own."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._bus = bus
+        self._process = psutil.Process()
+        self._stop = threading.Event()
+        self._phase = "configure"
+        self._detail = ""
+        self.queue_length: Callable[[], int] = lambda: 0
+        self._process.cpu_percent()
+        self._thread = threading.Thread(target=self._run, name="health", daemon=True)
+        self._thread.start()
+
+    def set_phase(self, phase: str, detail: str = "") -> None:
+        """Report a change at once: the launcher waits for it."""
+        self._phase, self._detail = phase, detail
+        self.report()
+
+    def report(self) -> None:
+        """Publish one report."""
+        health = Health(
+            stamp_ns=time.time_ns(),
+            service=self._bus.service,
+            instance=self._bus.instance,
+            phase=self._phase,
+            detail=self._detail,
+            pid=os.getpid(),
+            cpu_percent=self._process.cpu_percent(),
+            memory_mb=self._process.memory_info().rss / 1e6,
+            queue_length=self.queue_length(),
+            counters=dict(self._bus.counters),
+        )
+        self._bus.publish(topics.HEALTH, health)
+
+    def stop(self) -> None:
+        """End the thread."""
+        self._stop.set()
+        self._thread.join(timeout=2.0)
+
+    def _run(self) -> None:
+        while not self._stop.wait(HEALTH_PERIOD_S):
+            self.report()
+
+
+def stop_on_signals() -> threading.Event:
+    """Return an event that SIGTERM and SIGINT set."""
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    return stop
+
+
+def run_node(make_node: Callable[[Bus, Clock], Node], bus: Bus, clock: Clock, stop: threading.Event) -> None:
+    """Take a node through its life. Errors of the node come out after it was closed."""
+    log = logging.getLogger("w2c.service")
+    health = HealthReporter(bus)
+    health.set_phase("configure")
+    node = make_node(bus, clock)
+    try:
+        node.configure()
+        health.set_phase("ready")
+        log.info("ready")
+        node.run(stop)
+        health.set_phase("drain")
+    except Exception as error:
+        health.set_phase("failed", str(error))
+        raise
+    finally:
+        node.close()
+        health.stop()
+
+
+def main(
+    service: str,
+    config_type: type[C],
+    load_node: Callable[[], Callable[[C, Bus, Clock], Node]],
+    arguments: list[str] | None,
+    *,
+    extra: str,
+    on_robot_host: bool = False,
+) -> int:
+    """Run one service from its flags. Returns the exit status: 0 done, 1 failed, 2 usage.
+
+    `load_node` imports the node module, and with it the heavy dependencies of the extra.
+    `on_robot_host` connects to the robot's own endpoint, not to the router.
+    """
+    import sys
+
+    program = f"w2c {service}"
+    argv = sys.argv[1:] if arguments is None else arguments
+    try:
+        config = parse(config_type, argv, program=program, table=service)
+        with needs_extra(extra):
+            node_factory = load_node()
+        stop = stop_on_signals()
+        from w2c.bus.zenoh_bus import connect
+
+        configure_logs(service, config.log_level, config.run_directory)
+        endpoint = config.robot_endpoint if on_robot_host else config.router
+        with connect(config, service, [endpoint]) as bus:
+            run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop)
+    except W2CError as error:
+        logging.getLogger("w2c.service").error("%s", error)
+        return fail(error, program)
+    return 0
+
+
