@@ -94,7 +94,9 @@ def stop_on_signals() -> threading.Event:
     return stop
 
 
-def run_node(make_node: Callable[[Bus, Clock], Node], bus: Bus, clock: Clock, stop: threading.Event) -> None:
+def run_node(
+    make_node: Callable[[Bus, Clock], Node], bus: Bus, clock: Clock, stop: threading.Event
+) -> None:
     """Take a node through its life. Errors of the node come out after it was closed."""
     log = logging.getLogger("w2c.service")
     health = HealthReporter(bus)
@@ -122,11 +124,13 @@ def main(
     *,
     extra: str,
     on_robot_host: bool = False,
+    hub: bool = False,
 ) -> int:
     """Run one service from its flags. Returns the exit status: 0 done, 1 failed, 2 usage.
 
     `load_node` imports the node module, and with it the heavy dependencies of the extra.
-    `on_robot_host` connects to the robot's own endpoint, not to the router.
+    `on_robot_host` connects to the robot's own endpoint, not to the router; `hub` is the robot itself,
+    which listens there.
     """
     import sys
 
@@ -137,15 +141,13 @@ def main(
         with needs_extra(extra):
             node_factory = load_node()
         stop = stop_on_signals()
-        from w2c.bus.zenoh_bus import connect
+        from w2c.bus.zenoh_bus import connect, connect_hub
 
         configure_logs(service, config.log_level, config.run_directory)
         endpoint = config.robot_endpoint if on_robot_host else config.router
-        with connect(config, service, [endpoint]) as bus:
+        with connect_hub(config, service) if hub else connect(config, service, [endpoint]) as bus:
             run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop)
     except W2CError as error:
         logging.getLogger("w2c.service").error("%s", error)
         return fail(error, program)
     return 0
-
-

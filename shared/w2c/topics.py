@@ -86,14 +86,28 @@ ROBOT_STATE = Topic(
     ("controller", "perception", "console"), lock_step=True,
 )  # fmt: skip
 JOINT_COMMAND = Topic(
-    "cmd", "controller", "joints", m.JointCommand, Priority.REAL_TIME, 500.0, ("robot",), lock_step=True
+    "cmd",
+    "controller",
+    "joints",
+    m.JointCommand,
+    Priority.REAL_TIME,
+    500.0,
+    ("robot",),
+    lock_step=True,
 )
 CAMERA_FRAME = Topic(
     "obs", "camera", "rgbd", m.CameraFrame, Priority.DATA_LOW, 3.0,
     ("perception", "dialogue", "console"), max_bytes=20_000_000,
 )  # fmt: skip
 CAMERA_VIEW = Topic(
-    "state", "perception", "view", m.CameraView, Priority.DATA, 3.0, ("console", "dialogue"), drops=False
+    "state",
+    "perception",
+    "view",
+    m.CameraView,
+    Priority.DATA,
+    3.0,
+    ("console", "dialogue"),
+    drops=False,
 )
 CONTROLLER_STATUS = Topic(
     "state", "controller", "status", m.ControllerStatus, Priority.DATA, 20.0,
@@ -134,8 +148,18 @@ TOPICS: tuple[Topic[Any], ...] = (
 DESCRIBE = Method("robot", "describe", m.Empty, m.RobotDescription, ALL, max_bytes=4_000_000)
 ROBOT_STOP = Method("robot", "stop", m.StopRequest, m.StopReply, ALL, timeout_s=2.0)
 ROBOT_RESUME = Method("robot", "resume", m.Empty, m.StopReply, OPERATORS)
-CAPTURE = Method("camera", "capture", m.CaptureRequest, m.CameraFrame, ("dialogue", "console", "operator"), 10.0, 20_000_000)
-PICTURE = Method("camera", "picture", m.PictureRequest, m.Picture, ("evaluation", "operator"), 20.0, 20_000_000)
+CAPTURE = Method(
+    "camera",
+    "capture",
+    m.CaptureRequest,
+    m.CameraFrame,
+    ("dialogue", "console", "operator"),
+    10.0,
+    20_000_000,
+)
+PICTURE = Method(
+    "camera", "picture", m.PictureRequest, m.Picture, ("evaluation", "operator"), 20.0, 20_000_000
+)
 LIFT = Method("perception", "lift", m.LiftRequest, m.LiftReply, OPERATORS)
 PLACE = Method("controller", "place", m.PlaceGoal, m.GoalReply, OPERATORS)
 RELEASE = Method("controller", "release", m.ReleaseGoal, m.GoalReply, OPERATORS)
@@ -145,8 +169,12 @@ COMPLETE = Method("llm", "complete", m.CompleteRequest, m.CompleteReply, ALL, ti
 CHOOSE = Method("llm", "choose", m.ChooseRequest, m.ChooseReply, ALL, timeout_s=60.0)
 GROUND = Method("grounding", "ground", m.GroundingRequest, m.GroundingReply, ALL, 60.0, 40_000_000)
 SAY = Method("dialogue", "say", m.SayRequest, m.Turn, ("console", "operator", "evaluation"), 120.0)
-CONFIRM = Method("dialogue", "confirm", m.ConfirmRequest, m.Turn, ("console", "operator", "evaluation"), 120.0)
-POINT = Method("dialogue", "point", m.PointRequest, m.Turn, ("console", "operator", "evaluation"), 30.0)
+CONFIRM = Method(
+    "dialogue", "confirm", m.ConfirmRequest, m.Turn, ("console", "operator", "evaluation"), 120.0
+)
+POINT = Method(
+    "dialogue", "point", m.PointRequest, m.Turn, ("console", "operator", "evaluation"), 30.0
+)
 RECORD_START = Method("recorder", "start", m.RecordRequest, m.RecorderStatus, OPERATORS)
 RECORD_STOP = Method("recorder", "stop", m.Empty, m.RecorderStatus, OPERATORS, timeout_s=30.0)
 RECORD_STATUS = Method("recorder", "status", m.Empty, m.RecorderStatus, OPERATORS)
@@ -176,6 +204,8 @@ def parse_key(key: str) -> tuple[str, Topic[Any], str]:
     """Split the key of a stream into robot, registry row and writer. Raises ConfigError."""
     parts = key.split("/")
     if len(parts) != 6 or parts[0] != "w2c" or parts[1] != VERSION:
-        raise ConfigError(f"'{key}' is not a key of the form w2c/{VERSION}/<robot>/<kind>/<service>/<name>")
+        raise ConfigError(
+            f"'{key}' is not a key of the form w2c/{VERSION}/<robot>/<kind>/<service>/<name>"
+        )
     _, _, robot, kind, service, name = parts
     return robot, find_topic(kind, service, name), service

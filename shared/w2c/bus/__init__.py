@@ -1,8 +1,23 @@
 """Publish, subscribe, serve and call: one Protocol, on Zenoh and within one process."""
 
-from w2c.bus.codec import Envelope, Input, decode_envelope, decode_message, encode_envelope, encode_message
+from w2c.bus.codec import (
+    Envelope,
+    Input,
+    decode_envelope,
+    decode_message,
+    encode_envelope,
+    encode_message,
+)
 from w2c.bus.inprocess import InProcessBus, InProcessHub
-from w2c.bus.interface import Bus, CallContext, Latest, Queue, Received
+from w2c.bus.interface import (
+    Bus,
+    CallContext,
+    Latest,
+    Queue,
+    RawQueue,
+    RawReceived,
+    Received,
+)
 
 __all__ = [
     "Bus",
@@ -13,6 +28,8 @@ __all__ = [
     "Input",
     "Latest",
     "Queue",
+    "RawQueue",
+    "RawReceived",
     "Received",
     "decode_envelope",
     "decode_message",

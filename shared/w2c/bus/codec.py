@@ -74,9 +74,13 @@ def _unpack_array(payload: bytes) -> Array:
     if name not in _DTYPES:
         raise ValueError(f"array dtype '{name}' is not one of {sorted(_DTYPES)}")
     dtype = np.dtype(name)
-    expected = int(np.prod(shape, dtype=np.int64)) * dtype.itemsize if dimensions else dtype.itemsize
+    expected = (
+        int(np.prod(shape, dtype=np.int64)) * dtype.itemsize if dimensions else dtype.itemsize
+    )
     if len(payload) - data_start != expected:
-        raise ValueError(f"array {shape} of {name} needs {expected} bytes, got {len(payload) - data_start}")
+        raise ValueError(
+            f"array {shape} of {name} needs {expected} bytes, got {len(payload) - data_start}"
+        )
     return np.frombuffer(payload, dtype, offset=data_start).reshape(shape)
 
 

@@ -30,6 +30,16 @@ class Received(Generic[M_co]):
 
 
 @dataclass(frozen=True)
+class RawReceived:
+    """The bytes of a message exactly as they were on the wire."""
+
+    key: str
+    payload: bytes
+    received_ns: int
+    """Monotonic clock of the receiver [ns]"""
+
+
+@dataclass(frozen=True)
 class CallContext:
     """What a handler may know of the call it serves, beside the request."""
 
@@ -57,6 +67,13 @@ class Queue(Protocol[M_co]):
     """Every message of a topic in order. When it is full the oldest is dropped, and counted."""
 
     def receive(self, timeout_s: float) -> Received[M_co] | None:
+        """Return the next message; None after the time-out."""
+
+
+class RawQueue(Protocol):
+    """Every message of a key expression in order, not decoded. Full: the oldest is dropped, and counted."""
+
+    def receive(self, timeout_s: float) -> RawReceived | None:
         """Return the next message; None after the time-out."""
 
 
@@ -91,6 +108,12 @@ class Bus(Protocol):
 
     def queue(self, topic: Topic[M], size: int = 1000) -> Queue[M]:
         """Subscribe to every message."""
+
+    def raw_queue(self, key_expression: str, size: int = 10_000) -> RawQueue:
+        """Subscribe to the bytes of every key that matches, for the recorder."""
+
+    def use_lock_step(self) -> None:
+        """From now on block, instead of drop, on the links that lock step must not lose."""
 
     def serve(
         self,

@@ -10,7 +10,16 @@ from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
 EndEffector = Literal["left_foot", "right_foot", "left_hand", "right_hand"]
 Task = Literal["contact", "reach"]
 Phase = Literal[
-    "starting", "hold", "approach", "touch", "load", "contact", "reach", "unload", "retreat", "stopped"
+    "starting",
+    "hold",
+    "approach",
+    "touch",
+    "load",
+    "contact",
+    "reach",
+    "unload",
+    "retreat",
+    "stopped",
 ]
 
 
@@ -83,7 +92,9 @@ class GoalEvent(Message, frozen=True, kw_only=True):
     goal_id: Name
     end_effector: EndEffector
     task: Task
-    state: Literal["accepted", "moving", "touched", "loaded", "reached", "unreachable", "released", "aborted"]
+    state: Literal[
+        "accepted", "moving", "touched", "loaded", "reached", "unreachable", "released", "aborted"
+    ]
     reason: Text = ""
     distance: float = -1.0
     """Between end effector and point, by the model [m]; -1 where it has no meaning"""

@@ -151,5 +151,3 @@ class Truth(Message, frozen=True, kw_only=True):
         check_array("world_from_base", self.world_from_base, (7,))
         check_array("end_effector_positions", self.end_effector_positions, (4, 3))
         check_array("contact_forces", self.contact_forces, (4, 3))
-
-

@@ -1,0 +1,293 @@
+"""What both buses do alike: envelopes, validation, counting what is dropped, tracing of calls."""
+
+import threading
+import time
+import uuid
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, TypeVar
+
+from w2c import topics
+from w2c.bus.codec import (
+    ENVELOPE_VERSION,
+    Envelope,
+    Input,
+    decode_envelope,
+    encode_envelope,
+    validate,
+)
+from w2c.bus.interface import CallContext, RawReceived, Received
+from w2c.errors import (
+    CallError,
+    DeadlineError,
+    MessageError,
+    RemoteError,
+    UnavailableError,
+    W2CError,
+    error_codes,
+)
+from w2c.messages import CallTrace, ErrorReply, Message
+from w2c.topics import Method, Topic
+
+M = TypeVar("M", bound=Message)
+Request = TypeVar("Request", bound=Message)
+Reply = TypeVar("Reply", bound=Message)
+T = TypeVar("T")
+
+
+class Mailbox(Generic[T]):
+    """A bounded queue between the bus's thread and the service's. Full: the oldest is dropped, counted."""
+
+    def __init__(self, size: int, on_drop: Callable[[], None]) -> None:
+        self._items: deque[T] = deque()
+        self._size = size
+        self._on_drop = on_drop
+        self._changed = threading.Condition()
+
+    def put(self, item: T) -> None:
+        """Append; never blocks."""
+        with self._changed:
+            if len(self._items) >= self._size:
+                self._items.popleft()
+                self._on_drop()
+            self._items.append(item)
+            self._changed.notify()
+
+    def receive(self, timeout_s: float) -> T | None:
+        """Return the oldest item; None after the time-out."""
+        with self._changed:
+            if not self._items:
+                self._changed.wait_for(lambda: bool(self._items), timeout_s)
+            return self._items.popleft() if self._items else None
+
+
+class DecodingQueue(Generic[M]):
+    """The typed view of a mailbox of bytes: what does not decode is counted and skipped."""
+
+    def __init__(
+        self, mailbox: Mailbox[RawReceived], decode: Callable[[RawReceived], Received[M] | None]
+    ) -> None:
+        self._mailbox = mailbox
+        self._decode = decode
+
+    def receive(self, timeout_s: float) -> Received[M] | None:
+        """Return the next message that decodes; None after the time-out."""
+        deadline = time.monotonic() + timeout_s
+        while True:
+            raw = self._mailbox.receive(max(0.0, deadline - time.monotonic()))
+            if raw is None:
+                return None
+            received = self._decode(raw)
+            if received is not None:
+                return received
+
+
+class BusBase(ABC):
+    """A bus without a transport."""
+
+    def __init__(self, robot: str, service: str, instance: str) -> None:
+        self.robot = robot
+        self.service = service
+        self.instance = instance
+        self.boot_id = uuid.uuid4().hex[:16]
+        self.lock_step = False
+        self._sequences: dict[str, int] = {}
+        self._counters: dict[str, int] = {}
+        self._lock = threading.Lock()
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Drops and refusals since the start, by cause."""
+        with self._lock:
+            return dict(self._counters)
+
+    def count(self, cause: str) -> None:
+        """Add one to a cause of loss."""
+        with self._lock:
+            self._counters[cause] = self._counters.get(cause, 0) + 1
+
+    def use_lock_step(self) -> None:
+        """From now on block, instead of drop, on the links that lock step must not lose."""
+        self.lock_step = True
+
+    def publish(self, topic: Topic[M], message: M, inputs: Sequence[Input] = ()) -> Input:
+        """Send a message. Returns the reference to it."""
+        if topic.service not in ("*", self.service):
+            raise MessageError(
+                f"{self.service} may not write {topic.kind}/{topic.service}/{topic.name}: "
+                f"the registry gives it to {topic.service}"
+            )
+        if type(message) is not topic.message:
+            raise MessageError(
+                f"{topic.kind}/{topic.service}/{topic.name} carries {topic.message.__name__}, "
+                f"not {type(message).__name__}"
+            )
+        key = topic.key(self.robot, self.service)
+        payload, sequence = self._wrap(key, message, inputs)
+        if len(payload) > topic.max_bytes:
+            self.count(f"oversize {key}")
+            raise MessageError(f"{key}: {len(payload)} bytes, limit {topic.max_bytes}")
+        self._send(topic, key, payload)
+        return Input(key=key, boot_id=self.boot_id, sequence=sequence)
+
+    def queue(self, topic: Topic[M], size: int = 1000) -> DecodingQueue[M]:
+        """Subscribe to every message."""
+        key = topic.key(self.robot)
+        mailbox: Mailbox[RawReceived] = Mailbox(size, lambda: self.count(f"overflow {key}"))
+        self._subscribe(key, mailbox.put)
+        return DecodingQueue(mailbox, lambda raw: self._decode(topic.message, topic.max_bytes, raw))
+
+    def raw_queue(self, key_expression: str, size: int = 10_000) -> Mailbox[RawReceived]:
+        """Subscribe to the bytes of every key that matches."""
+        mailbox: Mailbox[RawReceived] = Mailbox(
+            size, lambda: self.count(f"overflow {key_expression}")
+        )
+        self._subscribe(key_expression, mailbox.put)
+        return mailbox
+
+    def call(
+        self,
+        method: Method[Request, Reply],
+        request: Request,
+        *,
+        timeout_s: float | None = None,
+        inputs: Sequence[Input] = (),
+    ) -> Received[Reply]:
+        """Ask a replica and return its reply; publishes the trace."""
+        timeout = method.timeout_s if timeout_s is None else timeout_s
+        key = f"{method.service}/{method.name}"
+        payload, _ = self._wrap(f"call/{key}", request, inputs)
+        if len(payload) > method.max_bytes:
+            raise MessageError(f"request {key}: {len(payload)} bytes, limit {method.max_bytes}")
+        started = time.monotonic()
+        outcome, answer, instance, problem = "ok", b"", "", ""
+        try:
+            instance, raw = self._ask(method, payload, timeout)
+            answer = raw.payload
+            received = self._decode(method.reply, method.max_bytes, raw)
+            if received is None:
+                raise RemoteError(
+                    f"{key} answered with something that is no {method.reply.__name__}"
+                )
+            return received
+        except CallError as error:
+            outcome, problem = error.code, str(error)
+            raise
+        finally:
+            trace = CallTrace(
+                service=method.service,
+                method=method.name,
+                instance=instance,
+                outcome=outcome,
+                duration_ms=(time.monotonic() - started) * 1e3,
+                request=payload,
+                reply=answer,
+                error=problem[:20_000],
+            )
+            self.publish(topics.TRACE, trace)
+
+    def _wrap(self, key: str, message: Message, inputs: Sequence[Input]) -> tuple[bytes, int]:
+        """Return the bytes of the message in its envelope, and its sequence number on the key."""
+        with self._lock:
+            sequence = self._sequences.get(key, 0)
+            self._sequences[key] = sequence + 1
+        envelope = Envelope(
+            version=ENVELOPE_VERSION,
+            robot=self.robot,
+            sender=self.service,
+            boot_id=self.boot_id,
+            sequence=sequence,
+            monotonic_ns=time.monotonic_ns(),
+            clock_ns=time.time_ns(),
+            inputs=list(inputs),
+            data=message,
+        )
+        return encode_envelope(envelope), sequence
+
+    def _decode(self, message_type: type[M], limit: int, raw: RawReceived) -> Received[M] | None:
+        """Return the message, or None for bytes that are none: counted, never raised at the reader."""
+        try:
+            envelope = decode_envelope(raw.payload, limit)
+            message = validate(envelope.data, message_type)
+        except MessageError:
+            self.count(f"malformed {raw.key}")
+            return None
+        return Received(
+            message=message, key=raw.key, envelope=envelope, received_ns=raw.received_ns
+        )
+
+    def _handle(
+        self,
+        method: Method[Request, Reply],
+        handler: Callable[[Request, CallContext], Reply],
+        raw: RawReceived,
+    ) -> tuple[bool, bytes]:
+        """Run the handler of a call. Returns (done, reply) or (False, ErrorReply): nothing escapes."""
+        try:
+            envelope = decode_envelope(raw.payload, method.max_bytes)
+            request = validate(envelope.data, method.request)
+        except MessageError as error:
+            self.count(f"malformed {method.service}/{method.name}")
+            return False, self._error(method, "refused", str(error), retryable=False)
+        received = Received(request, raw.key, envelope, raw.received_ns)
+        try:
+            reply = handler(request, CallContext(caller=envelope.sender, request=received))
+        except W2CError as error:
+            code = error.code if error.code in error_codes() else "refused"
+            return False, self._error(method, code, str(error), retryable=error.retryable)
+        except Exception as error:  # the boundary: the caller must get an answer, whatever broke
+            self.count(f"failed {method.service}/{method.name}")
+            self._log_failure(method, error)
+            return False, self._error(
+                method, "remote", f"{type(error).__name__}: {error}", retryable=False
+            )
+        return True, self._wrap(
+            f"reply/{method.service}/{method.name}", reply, [received.as_input()]
+        )[0]
+
+    def _log_failure(self, method: Method[Any, Any], error: Exception) -> None:
+        import logging
+
+        logging.getLogger("w2c.bus").error(
+            "%s/%s failed",
+            method.service,
+            method.name,
+            exc_info=(type(error), error, error.__traceback__),
+        )
+
+    def _error(self, method: Method[Any, Any], code: str, text: str, *, retryable: bool) -> bytes:
+        reply = ErrorReply(code=code, message=text[:20_000], retryable=retryable)
+        return self._wrap(f"reply/{method.service}/{method.name}", reply, ())[0]
+
+    def _raise_error_reply(self, method: Method[Any, Any], payload: bytes) -> None:
+        """Raise the typed error that an error reply stands for."""
+        if payload == b"Timeout":  # Zenoh's own word for a deadline
+            raise DeadlineError(f"{method.service}/{method.name}: no answer in time")
+        try:
+            reply = validate(decode_envelope(payload, method.max_bytes).data, ErrorReply)
+        except MessageError as error:
+            raise RemoteError(
+                f"{method.service}/{method.name}: unreadable error reply: {error}"
+            ) from error
+        raise error_codes().get(reply.code, RemoteError)(reply.message)
+
+    def _unavailable(self, method: Method[Any, Any]) -> UnavailableError:
+        return UnavailableError(
+            f"nobody serves {method.service}/{method.name}; is the {method.service} process running? "
+            "Look with: w2c status"
+        )
+
+    @abstractmethod
+    def _send(self, topic: Topic[Any], key: str, payload: bytes) -> None:
+        """Put bytes on the wire."""
+
+    @abstractmethod
+    def _subscribe(self, key_expression: str, deliver: Callable[[RawReceived], None]) -> None:
+        """Deliver the bytes of every matching key, on a thread of the bus."""
+
+    @abstractmethod
+    def _ask(
+        self, method: Method[Any, Any], payload: bytes, timeout_s: float
+    ) -> tuple[str, RawReceived]:
+        """Return (instance, reply bytes) of one replica. Raises CallError."""

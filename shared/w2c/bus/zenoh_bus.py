@@ -1,0 +1,366 @@
+"""The bus on Zenoh 1.10.
+
+Everyone is a client of a router, but for the robot driver: a peer that listens for the controller and dials
+the router, so that the router's death leaves robot and controller talking. Scouting, gossip and shared memory
+are off; everyone dials one way only, with the same lease.
+"""
+
+import json
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from types import TracebackType
+from typing import Any, Generic, Self, TypeVar
+
+import zenoh
+
+from w2c import topics
+from w2c.bus.base import BusBase
+from w2c.bus.interface import CallContext, RawReceived, Received
+from w2c.config import ServiceConfig
+from w2c.errors import ConnectionFailedError, DeadlineError, RemoteError, UnavailableError
+from w2c.messages import Message
+from w2c.topics import Method, Topic
+
+M = TypeVar("M", bound=Message)
+Request = TypeVar("Request", bound=Message)
+Reply = TypeVar("Reply", bound=Message)
+
+LEASE_MS = 1000
+RETRY = {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2}
+PRIORITIES = {
+    topics.Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
+    topics.Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
+    topics.Priority.DATA: zenoh.Priority.DATA,
+    topics.Priority.DATA_LOW: zenoh.Priority.DATA_LOW,
+}
+POLL_S = 0.002
+# An empty answer that comes sooner than this means that the call reached nobody yet: safe to ask again.
+NOT_DELIVERED_S = 0.05
+LIVELINESS_PATIENCE_S = 1.5
+
+
+def base_config(mode: str) -> zenoh.Config:
+    """Return the settings every session shares."""
+    config = zenoh.Config()
+    for path, value in {
+        "mode": mode,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": LEASE_MS,
+        "transport/link/tx/keep_alive": 4,
+    }.items():
+        config.insert_json5(path, json.dumps(value))
+    return config
+
+
+def _client_config(endpoints: list[str], timeout_s: float) -> zenoh.Config:
+    config = base_config("client")
+    config.insert_json5("connect/endpoints", json.dumps(endpoints))
+    config.insert_json5("connect/timeout_ms", str(int(timeout_s * 1e3)))
+    config.insert_json5("connect/exit_on_failure", "true")
+    config.insert_json5("connect/retry", json.dumps(RETRY))
+    return config
+
+
+def _hub_config(listen: str, router: str) -> zenoh.Config:
+    config = base_config("peer")
+    config.insert_json5("listen/endpoints", json.dumps([listen]))
+    config.insert_json5("connect/endpoints", json.dumps([router]))
+    # A robot must come up without a router, and find it whenever it appears.
+    config.insert_json5("connect/timeout_ms", "0")
+    config.insert_json5("connect/exit_on_failure", "false")
+    config.insert_json5("connect/retry", json.dumps(RETRY))
+    return config
+
+
+def connect(config: ServiceConfig, service: str, endpoints: list[str]) -> "ZenohBus":
+    """Return the bus of a client of a router, or of the robot. Raises ConnectionFailedError."""
+    try:
+        session = zenoh.open(_client_config(endpoints, config.connect_timeout))
+    except zenoh.ZError as error:
+        raise ConnectionFailedError(
+            f"no answer at {', '.join(endpoints)} within {config.connect_timeout:g} s. "
+            "Is the system running? Start it with: w2c up"
+        ) from error
+    return ZenohBus(session, config.robot, service, config.instance)
+
+
+def connect_hub(config: ServiceConfig, service: str) -> "ZenohBus":
+    """Return the bus of the robot driver: listens at `robot_endpoint`, dials `router`."""
+    try:
+        session = zenoh.open(_hub_config(config.robot_endpoint, config.router))
+    except zenoh.ZError as error:
+        raise ConnectionFailedError(
+            f"cannot listen at {config.robot_endpoint}: {error}. "
+            "Is another robot driver running? Choose another --robot-endpoint"
+        ) from error
+    return ZenohBus(session, config.robot, service, config.instance)
+
+
+class LatestRing(Generic[M]):
+    """The newest message of a topic, out of a ring of one: a slow reader drops, and delays nobody."""
+
+    def __init__(
+        self, subscriber: Any, decode: Callable[[RawReceived], Received[M] | None]
+    ) -> None:
+        self._subscriber = subscriber
+        self._decode = decode
+        self._last: Received[M] | None = None
+
+    def take(self) -> Received[M] | None:
+        """Return the newest message that was not taken yet, or None. Never blocks."""
+        sample = self._subscriber.try_recv()
+        if sample is None:
+            return None
+        raw = RawReceived(str(sample.key_expr), sample.payload.to_bytes(), time.monotonic_ns())
+        received = self._decode(raw)
+        if received is not None:
+            self._last = received
+        return received
+
+    def wait(self, timeout_s: float) -> Received[M] | None:
+        """Return the next message that was not taken yet; None after the time-out."""
+        deadline = time.monotonic() + timeout_s
+        while True:
+            received = self.take()
+            if received is not None:
+                return received
+            remaining = deadline - time.monotonic()
+            if remaining <= 0:
+                return None
+            time.sleep(min(POLL_S, remaining))
+
+    def last(self) -> Received[M] | None:
+        """Return the newest message ever received, taken or not."""
+        self.take()
+        return self._last
+
+    def age_s(self) -> float:
+        """Return the time since the newest message was taken [s]."""
+        last = self.last()
+        return float("inf") if last is None else (time.monotonic_ns() - last.received_ns) * 1e-9
+
+
+class ZenohBus(BusBase):
+    """See `w2c.bus.interface.Bus`. Use it in a `with`: a session that is not closed hangs the interpreter."""
+
+    def __init__(self, session: zenoh.Session, robot: str, service: str, instance: str) -> None:
+        super().__init__(robot, service, instance)
+        self._session = session
+        self._publishers: dict[str, zenoh.Publisher] = {}
+        self._publisher_lock = threading.Lock()
+        self._declared: list[Any] = []
+        self._pools: list[ThreadPoolExecutor] = []
+        self._alive: dict[str, tuple[str, str]] = {}
+        self._outstanding: dict[str, int] = {}
+        self._alive_changed = threading.Condition()
+        self._closed = False
+        self._declared.append(
+            session.liveliness().declare_subscriber(
+                topics.liveliness_key(robot),
+                zenoh.handlers.Callback(self._on_liveliness, indirect=False),
+                history=True,
+            )
+        )
+        self._declared.append(
+            session.liveliness().declare_token(topics.liveliness_key(robot, service, instance))
+        )
+
+    def __enter__(self) -> Self:
+        """Return the bus itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def links(self) -> list[str]:
+        """Return the ids of the sessions this one is linked to."""
+        info = self._session.info
+        return [str(zid) for zid in [*info.routers_zid(), *info.peers_zid()]]
+
+    def latest(self, topic: Topic[M]) -> LatestRing[M]:
+        """Subscribe to the newest value."""
+        subscriber = self._session.declare_subscriber(
+            topic.key(self.robot), zenoh.handlers.RingChannel(1)
+        )
+        self._declared.append(subscriber)
+        return LatestRing(subscriber, lambda raw: self._decode(topic.message, topic.max_bytes, raw))
+
+    def serve(
+        self,
+        method: Method[Request, Reply],
+        handler: Callable[[Request, CallContext], Reply],
+        *,
+        workers: int = 1,
+    ) -> None:
+        """Answer a method."""
+        pool = ThreadPoolExecutor(workers, thread_name_prefix=f"serve-{method.name}")
+        key = method.key(self.robot, self.instance)
+
+        def answer(query: zenoh.Query) -> None:
+            with query:  # a query that is not dropped keeps its caller waiting until the deadline
+                payload = query.payload.to_bytes() if query.payload is not None else b""
+                raw = RawReceived(key, payload, time.monotonic_ns())
+                done, reply = self._handle(method, handler, raw)
+                if done:
+                    query.reply(key, reply)
+                else:
+                    query.reply_err(reply)
+
+        def enqueue(query: zenoh.Query) -> None:
+            if not self._closed:
+                pool.submit(answer, query)
+
+        self._pools.append(pool)
+        self._declared.append(
+            self._session.declare_queryable(key, zenoh.handlers.Callback(enqueue, indirect=False))
+        )
+
+    def alive(self) -> list[tuple[str, str]]:
+        """Return (service, instance) of every process whose liveliness token is seen."""
+        with self._alive_changed:
+            return sorted(self._alive.values())
+
+    def close(self) -> None:
+        """Stop serving, undeclare everything. Idempotent."""
+        if self._closed:
+            return
+        self._closed = True
+        for pool in self._pools:
+            pool.shutdown(wait=False, cancel_futures=True)
+        self._session.close()
+
+    def _on_liveliness(self, sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr)
+        service, instance = key.split("/")[-2:]
+        with self._alive_changed:
+            if sample.kind == zenoh.SampleKind.PUT:
+                self._alive[key] = (service, instance)
+            else:
+                self._alive.pop(key, None)
+            self._alive_changed.notify_all()
+
+    def _publisher(self, topic: Topic[Any], key: str) -> zenoh.Publisher:
+        with self._publisher_lock:
+            publisher = self._publishers.get(key)
+            if publisher is None:
+                drops = topic.drops and not (topic.lock_step and self.lock_step)
+                publisher = self._session.declare_publisher(
+                    key,
+                    encoding=f"application/msgpack;w2c.{topic.message.__name__}",
+                    congestion_control=(
+                        zenoh.CongestionControl.DROP if drops else zenoh.CongestionControl.BLOCK
+                    ),
+                    priority=PRIORITIES[topic.priority],
+                    # `express` loses samples under load (measured), and gains nothing.
+                    express=False,
+                )
+                self._publishers[key] = publisher
+            return publisher
+
+    def _send(self, topic: Topic[Any], key: str, payload: bytes) -> None:
+        if self._closed:
+            self.count(f"closed {key}")
+            return
+        self._publisher(topic, key).put(payload)
+
+    def use_lock_step(self) -> None:
+        """From now on block, instead of drop, on the links that lock step must not lose."""
+        super().use_lock_step()
+        with self._publisher_lock:
+            for topic in topics.TOPICS:
+                publisher = self._publishers.pop(topic.key(self.robot, self.service), None)
+                if publisher is not None and topic.lock_step:
+                    publisher.undeclare()
+
+    def _subscribe(self, key_expression: str, deliver: Callable[[RawReceived], None]) -> None:
+        def receive(sample: zenoh.Sample) -> None:
+            deliver(
+                RawReceived(str(sample.key_expr), sample.payload.to_bytes(), time.monotonic_ns())
+            )
+
+        # Direct: the mailbox never blocks Zenoh's receiving thread, and needs no thread of its own.
+        self._declared.append(
+            self._session.declare_subscriber(
+                key_expression, zenoh.handlers.Callback(receive, indirect=False)
+            )
+        )
+
+    def _instance_of(self, service: str, patience_s: float) -> str | None:
+        """Return the live replica with the fewest calls of ours under way; wait a little for the first."""
+
+        def candidates() -> list[str]:
+            return [instance for name, instance in self._alive.values() if name == service]
+
+        with self._alive_changed:
+            self._alive_changed.wait_for(lambda: bool(candidates()), patience_s)
+            found = candidates()
+            return min(
+                found, key=lambda i: (self._outstanding.get(f"{service}/{i}", 0), i), default=None
+            )
+
+    def _ask(
+        self, method: Method[Any, Any], payload: bytes, timeout_s: float
+    ) -> tuple[str, RawReceived]:
+        deadline = time.monotonic() + timeout_s
+        instance = self._instance_of(method.service, min(timeout_s, LIVELINESS_PATIENCE_S))
+        if instance is None:
+            raise self._unavailable(method)
+        slot = f"{method.service}/{instance}"
+        with self._alive_changed:
+            self._outstanding[slot] = self._outstanding.get(slot, 0) + 1
+        try:
+            while True:
+                remaining = deadline - time.monotonic()
+                if remaining <= 0:
+                    raise DeadlineError(
+                        f"{method.service}/{method.name}: no answer within {timeout_s:.1f} s"
+                    )
+                started = time.monotonic()
+                raw = self._ask_once(method, instance, payload, remaining)
+                if raw is not None:
+                    return instance, raw
+                if time.monotonic() - started > NOT_DELIVERED_S:
+                    raise UnavailableError(
+                        f"{method.service}/{method.name}: the process died while it served the call"
+                    )
+                if time.monotonic() > deadline - timeout_s + min(timeout_s, LIVELINESS_PATIENCE_S):
+                    raise self._unavailable(method)
+                time.sleep(0.02)
+        finally:
+            with self._alive_changed:
+                self._outstanding[slot] -= 1
+
+    def _ask_once(
+        self, method: Method[Any, Any], instance: str, payload: bytes, timeout_s: float
+    ) -> RawReceived | None:
+        """Return the reply; None where nobody answered, which is no success."""
+        key = method.key(self.robot, instance)
+        replies = list(
+            self._session.get(
+                key,
+                payload=payload,
+                timeout=timeout_s,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+            )
+        )
+        if len(replies) > 1:
+            raise RemoteError(
+                f"{len(replies)} processes answered {key}; give each replica its own --instance"
+            )
+        for reply in replies:
+            if reply.ok is None:
+                self._raise_error_reply(method, reply.err.payload.to_bytes())
+            else:
+                return RawReceived(key, reply.ok.payload.to_bytes(), time.monotonic_ns())
+        return None

@@ -1,0 +1,63 @@
+"""Logging: events for people on the terminal, JSON lines in the run directory."""
+
+import json
+import logging
+import sys
+from pathlib import Path
+
+from w2c.errors import ConfigError
+
+LEVELS = {
+    "debug": logging.DEBUG,
+    "info": logging.INFO,
+    "warning": logging.WARNING,
+    "error": logging.ERROR,
+}
+_STANDARD = set(vars(logging.makeLogRecord({}))) | {"message", "asctime", "taskName"}
+
+
+def extra_fields(record: logging.LogRecord) -> dict[str, str]:
+    """Return what the caller passed as `extra`."""
+    return {key: str(value) for key, value in vars(record).items() if key not in _STANDARD}
+
+
+class JsonFormatter(logging.Formatter):
+    """One JSON object a line."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the line."""
+        entry: dict[str, object] = {
+            "time": record.created,
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "text": record.getMessage(),
+            **extra_fields(record),
+        }
+        if record.exc_info:
+            entry["exception"] = self.formatException(record.exc_info)
+        return json.dumps(entry)
+
+
+def configure_logs(service: str, level: str, run_directory: str) -> None:
+    """Send this process's log to stderr, and to `<run_directory>/<service>.jsonl` where one is given."""
+    if level not in LEVELS:
+        raise ConfigError(f"log level '{level}'; choose one of {', '.join(LEVELS)}")
+    root = logging.getLogger()
+    root.setLevel(LEVELS[level])
+    root.handlers.clear()
+    terminal = logging.StreamHandler(sys.stderr)
+    terminal.setFormatter(
+        logging.Formatter(f"%(asctime)s {service:<10} %(levelname)-7s %(message)s", "%H:%M:%S")
+    )
+    root.addHandler(terminal)
+    if run_directory:
+        directory = Path(run_directory)
+        try:
+            directory.mkdir(parents=True, exist_ok=True)
+            file = logging.FileHandler(directory / f"{service}.jsonl")
+        except OSError as error:
+            raise ConfigError(
+                f"cannot write logs into {directory}: {error}; choose another --run-directory"
+            ) from error
+        file.setFormatter(JsonFormatter())
+        root.addHandler(file)

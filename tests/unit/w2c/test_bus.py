@@ -1,0 +1,236 @@
+"""Both buses keep the same promises."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+import zenoh
+from w2c import topics
+from w2c.bus import Bus, CallContext, InProcessHub
+from w2c.bus.zenoh_bus import connect
+from w2c.config import ServiceConfig
+from w2c.errors import (
+    ConnectionFailedError,
+    DeadlineError,
+    GoalRefusedError,
+    MessageError,
+    RefusedError,
+    RemoteError,
+    UnavailableError,
+)
+from w2c.messages import Empty, JointCommand, MarkRequest, RecorderStatus, StopReply, StopRequest
+from w2c.router import RouterConfig, open_router
+
+from support.ports import free_endpoint
+from support.waiting import wait_until
+
+Connect = Callable[[str], Bus]
+
+
+@pytest.fixture(params=["in process", "zenoh"])
+def connect_bus(request: pytest.FixtureRequest) -> Iterator[Connect]:
+    """Give a function that connects a service to a fresh, private bus."""
+    with ExitStack() as stack:
+        if request.param == "in process":
+            hub = InProcessHub()
+
+            def connect_one(service: str) -> Bus:
+                return stack.enter_context(hub.connect(service))
+        else:
+            endpoint = free_endpoint()
+            stack.enter_context(open_router(RouterConfig(listen=endpoint)))
+            config = ServiceConfig(robot="test", router=endpoint, connect_timeout=5.0)
+
+            def connect_one(service: str) -> Bus:
+                return stack.enter_context(connect(config, service, [endpoint]))
+
+        yield connect_one
+
+
+def command(tick: int) -> JointCommand:
+    return JointCommand(tick=tick, position=np.arange(3.0))
+
+
+def publish_until_received(bus: Bus, tick: int, take: Callable[[], object]) -> None:
+    """Publish until the subscriber gets one: a subscription takes a moment to reach the router."""
+
+    def attempt() -> bool:
+        bus.publish(topics.JOINT_COMMAND, command(tick))
+        return take() is not None
+
+    wait_until(attempt)
+
+
+def test_a_queue_gets_every_message_in_order_with_its_envelope(connect_bus: Connect) -> None:
+    """Sequence numbers count per key; the boot id tells one life of the sender from the next."""
+    controller, robot = connect_bus("controller"), connect_bus("robot")
+    queue = robot.queue(topics.JOINT_COMMAND)
+    publish_until_received(controller, 0, lambda: queue.receive(0.05))
+    while queue.receive(0.1) is not None:
+        pass
+    for tick in range(1, 6):
+        controller.publish(topics.JOINT_COMMAND, command(tick))
+    received = [queue.receive(2.0) for _ in range(5)]
+    assert [r.message.tick for r in received if r is not None] == [1, 2, 3, 4, 5]
+    sequences = [r.envelope.sequence for r in received if r is not None]
+    assert np.diff(sequences).tolist() == [1, 1, 1, 1]
+    assert {r.envelope.boot_id for r in received if r is not None} == {controller.boot_id}
+
+
+def test_latest_gives_the_newest_and_forgets_the_rest(connect_bus: Connect) -> None:
+    controller, robot = connect_bus("controller"), connect_bus("robot")
+    latest = robot.latest(topics.JOINT_COMMAND)
+    publish_until_received(controller, 0, lambda: latest.wait(0.05))
+    for tick in range(1, 10):
+        controller.publish(topics.JOINT_COMMAND, command(tick))
+
+    def newest() -> bool:
+        last = latest.last()
+        return last is not None and last.message.tick == 9
+
+    wait_until(newest)
+    assert latest.take() is None
+    assert latest.age_s() < 60
+
+
+def test_a_call_returns_the_reply_and_leaves_a_trace(connect_bus: Connect) -> None:
+    """The recorder sees calls through their traces."""
+    recorder, operator = connect_bus("recorder"), connect_bus("operator")
+    traces = recorder.queue(topics.TRACE)
+
+    def mark(request: MarkRequest, context: CallContext) -> RecorderStatus:
+        assert context.caller == "operator"
+        return RecorderStatus(
+            stamp_ns=1, recording=True, path=request.text, messages=1, bytes=2, lost={}
+        )
+
+    recorder.serve(topics.RECORD_MARK, mark)
+    reply = operator.call(topics.RECORD_MARK, MarkRequest(text="here"))
+    assert reply.message.path == "here"
+    trace = traces.receive(5.0)
+    assert trace is not None
+    assert (trace.message.service, trace.message.method, trace.message.outcome) == (
+        "recorder",
+        "mark",
+        "ok",
+    )
+    assert trace.message.request and trace.message.reply
+
+
+def test_a_refusal_comes_back_with_its_reason(connect_bus: Connect) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+
+    def refuse(request: StopRequest, context: CallContext) -> StopReply:
+        raise GoalRefusedError("point 12.0 m away, limit 10 m")
+
+    robot.serve(topics.ROBOT_STOP, refuse)
+    with pytest.raises(RefusedError, match=r"12\.0 m away, limit 10 m"):
+        operator.call(topics.ROBOT_STOP, StopRequest())
+
+
+def test_a_handler_that_breaks_answers_with_its_error(connect_bus: Connect) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+
+    def explode(request: StopRequest, context: CallContext) -> StopReply:
+        raise ZeroDivisionError("one over nothing")
+
+    robot.serve(topics.ROBOT_STOP, explode)
+    with pytest.raises(RemoteError, match="one over nothing"):
+        operator.call(topics.ROBOT_STOP, StopRequest())
+    assert robot.counters["failed robot/stop"] == 1
+
+
+def test_a_call_that_nobody_serves_is_unavailable(connect_bus: Connect) -> None:
+    operator = connect_bus("operator")
+    with pytest.raises(UnavailableError, match="is the robot process running"):
+        operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+
+
+def test_a_slow_handler_meets_the_deadline_of_its_caller(connect_bus: Connect) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+    release = threading.Event()
+
+    def slow(request: Empty, context: CallContext) -> StopReply:
+        release.wait(20.0)
+        return StopReply(mode="tracking", stamp_ns=0)
+
+    robot.serve(topics.ROBOT_RESUME, slow)
+    try:
+        with pytest.raises(DeadlineError):
+            operator.call(topics.ROBOT_RESUME, Empty(), timeout_s=0.4)
+    finally:
+        release.set()
+
+
+def test_bytes_that_are_no_message_are_counted_and_skipped(connect_bus: Connect) -> None:
+    """A broken sender costs its own message, nothing else."""
+    controller, robot = connect_bus("controller"), connect_bus("robot")
+    queue = robot.queue(topics.JOINT_COMMAND)
+    publish_until_received(controller, 0, lambda: queue.receive(0.05))
+    key = topics.JOINT_COMMAND.key("test")
+    controller._send(topics.JOINT_COMMAND, key, b"\xc1 no msgpack")  # type: ignore[attr-defined]
+    controller.publish(topics.JOINT_COMMAND, command(7))
+
+    def arrived() -> bool:
+        received = queue.receive(0.1)
+        return received is not None and received.message.tick == 7
+
+    wait_until(arrived)
+    assert robot.counters[f"malformed {key}"] == 1
+
+
+def test_a_full_queue_drops_the_oldest_and_counts_it(connect_bus: Connect) -> None:
+    controller, robot = connect_bus("controller"), connect_bus("robot")
+    queue = robot.queue(topics.JOINT_COMMAND, size=2)
+    key = topics.JOINT_COMMAND.key("test")
+    publish_until_received(controller, 0, lambda: queue.receive(0.05))
+    for tick in range(20):
+        controller.publish(topics.JOINT_COMMAND, command(tick))
+    wait_until(lambda: robot.counters.get(f"overflow {key}", 0) >= 18)
+
+
+def test_a_service_may_only_write_what_the_registry_gives_it(connect_bus: Connect) -> None:
+    with pytest.raises(MessageError, match="gives it to controller"):
+        connect_bus("llm").publish(topics.JOINT_COMMAND, command(1))
+
+
+def test_raw_queue_gives_the_bytes_of_every_matching_key(connect_bus: Connect) -> None:
+    controller, recorder = connect_bus("controller"), connect_bus("recorder")
+    raw = recorder.raw_queue("w2c/v1/test/cmd/**")
+    publish_until_received(controller, 3, lambda: raw.receive(0.05))
+
+
+def test_liveliness_shows_who_is_there_and_who_left(connect_bus: Connect) -> None:
+    robot = connect_bus("robot")
+    other = connect_bus("llm")
+    wait_until(lambda: ("llm", "0") in robot.alive())
+    other.close()
+    wait_until(lambda: ("llm", "0") not in robot.alive())
+
+
+def test_no_router_is_a_clear_error() -> None:
+    endpoint = free_endpoint()
+    config = ServiceConfig(robot="test", router=endpoint, connect_timeout=0.2)
+    with pytest.raises(ConnectionFailedError, match="w2c up"):
+        connect(config, "operator", [endpoint])
+
+
+def test_a_busy_port_is_a_clear_error() -> None:
+    endpoint = free_endpoint()
+    with (
+        open_router(RouterConfig(listen=endpoint)),
+        pytest.raises(ConnectionFailedError, match="another router"),
+    ):
+        open_router(RouterConfig(listen=endpoint))
+
+
+def test_sessions_are_configured_as_decided() -> None:
+    """Some settings became silent no-ops between Zenoh versions: read them back."""
+    from w2c.bus.zenoh_bus import base_config
+
+    config = base_config("client")
+    assert zenoh.Config.get_json(config, "scouting/multicast/enabled") == "false"
+    assert zenoh.Config.get_json(config, "transport/shared_memory/enabled") == "false"
+    assert zenoh.Config.get_json(config, "transport/link/tx/lease") == "1000"
