@@ -1,3 +1,3 @@
-"""The contract between the processes of Words2Contact: messages, topics, bus, geometry, life cycle."""
+"""The contract between the processes: messages, topics, bus, geometry, life cycle."""
 
 __version__ = "0.1.0"

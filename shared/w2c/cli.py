@@ -1,4 +1,4 @@
-"""`w2c VERB`: each service registers its verbs under the entry-point group `w2c.commands`, loaded lazily."""
+"""`w2c VERB`: services register verbs in the entry-point group `w2c.commands`."""
 
 import sys
 from collections.abc import Callable
@@ -16,9 +16,13 @@ GROUPS = {
     "recordings": ("record", "recording"),
     "measure and train": ("bench", "train", "scenes"),
     "one service": (
-        "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder", "console",
+        "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder",
+        "console",
     ),
 }  # fmt: skip
+
+SUBVERBS = ("bench", "train")
+"""`w2c bench NAME`: the names are entry points of the group `w2c.bench`."""
 
 
 def _usage(verbs: dict[str, EntryPoint]) -> str:
@@ -28,7 +32,7 @@ def _usage(verbs: dict[str, EntryPoint]) -> str:
     ]
     lines.append("usage: w2c VERB [flags]      w2c VERB --help")
     for title, names in GROUPS.items():
-        present = [name for name in names if name in verbs]
+        present = [name for name in names if name in verbs or name in SUBVERBS]
         lines.append(f"  {title + ':':<20}{' '.join(present)}")
     return "\n".join(lines)
 
@@ -43,6 +47,19 @@ def _dispatch_group(group: str, verb: str, arguments: list[str]) -> int:
     return int(names[arguments[0]].load()(arguments[1:]))
 
 
+def _run_verb(verb: str, rest: list[str], verbs: dict[str, EntryPoint]) -> int:
+    """Load and run one verb."""
+    if verb in SUBVERBS:
+        return _dispatch_group(f"w2c.{verb}", verb, rest)
+    if verb not in verbs:
+        near = get_close_matches(verb, verbs, n=1)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        sys.stderr.write(f"w2c: no verb '{verb}'{hint}\n{_usage(verbs)}\n")
+        return 2
+    command: Callable[[list[str]], int] = verbs[verb].load()
+    return command(rest)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run a verb. Exit status: 0 done, 1 failed, 2 usage or missing dependency."""
     argv = sys.argv[1:] if arguments is None else arguments
@@ -53,23 +70,14 @@ def main(arguments: list[str] | None = None) -> int:
     if argv[0] == "--version":
         print(__version__)
         return 0
-    verb, rest = argv[0], argv[1:]
     try:
-        if verb in ("train", "bench"):
-            return _dispatch_group(f"w2c.{verb}", verb, rest)
-        if verb not in verbs:
-            near = get_close_matches(verb, verbs, n=1)
-            hint = f"; did you mean '{near[0]}'?" if near else ""
-            sys.stderr.write(f"w2c: no verb '{verb}'{hint}\n{_usage(verbs)}\n")
-            return 2
-        command: Callable[[list[str]], int] = verbs[verb].load()
-        return command(rest)
+        return _run_verb(argv[0], argv[1:], verbs)
     except ModuleNotFoundError as error:
         if (error.name or "").startswith("w2c"):
             raise
-        return fail(MissingExtraError(error.name or "?", "all"), f"w2c {verb}")
+        return fail(MissingExtraError(error.name or "?", "all"), f"w2c {argv[0]}")
     except W2CError as error:
-        return fail(error, f"w2c {verb}")
+        return fail(error, f"w2c {argv[0]}")
     except KeyboardInterrupt:
         return 130
 

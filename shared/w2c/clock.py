@@ -29,7 +29,7 @@ class RealClock:
 
 
 class StepClock:
-    """A clock that its owner advances: tests, and lock step, where robot time is what the robot says."""
+    """A clock that its owner advances: for tests, and for lock step."""
 
     def __init__(self, start_ns: int = 0) -> None:
         self._now_ns = start_ns

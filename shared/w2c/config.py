@@ -18,7 +18,7 @@ class ServiceConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """What every service needs to reach the others."""
 
     robot: RobotId
-    """Id of the robot: part of every key. No default, so that two robots never share keys by accident."""
+    """Id of the robot, part of every key. No default: two robots must never share keys."""
     router: str = "tcp/127.0.0.1:7447"
     """Endpoint of the router."""
     robot_endpoint: str = "tcp/127.0.0.1:7448"

@@ -12,7 +12,8 @@
     │       ├── DeadlineError            no reply in time
     │       ├── RefusedError             the service understood, and said no, with a reason
     │       └── RemoteError              the service failed
-    ├── ModelError           a language or vision model cannot be loaded, or answered outside its schema
+    ├── ModelError           a language or vision model cannot be loaded, or answered outside its
+    schema
     ├── ControlError         the controller
     │   ├── GoalRefusedError         a goal is malformed, unsafe or out of order
     │   └── SolverError              a QP has no solution; carries the problem

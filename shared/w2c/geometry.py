@@ -1,7 +1,9 @@
 """Poses, pixels and frames, said once.
 
-A transform is a (4, 4) matrix named target_from_source: `world_from_camera @ point_in_camera`, the adjacent
-names match. Quaternions are xyzw. Pixels are (u, v), u right, v down, origin top left, the centre of pixel
+A transform is a (4, 4) matrix named target_from_source: `world_from_camera @ point_in_camera`, the
+adjacent
+names match. Quaternions are xyzw. Pixels are (u, v), u right, v down, origin top left, the centre
+of pixel
 (0, 0) at (0.5, 0.5); arrays index [v, u].
 """
 
@@ -100,7 +102,7 @@ def quaternion_from_rotation(rotation: Matrix) -> Vector:
     )
     quaternion = candidates[int(np.argmax(squares))]
     quaternion = quaternion / np.linalg.norm(quaternion)
-    return quaternion if quaternion[3] >= 0 else -quaternion
+    return np.asarray(quaternion if quaternion[3] >= 0 else -quaternion, dtype=np.float64)
 
 
 def unit(vector: npt.ArrayLike) -> Vector:
@@ -115,7 +117,8 @@ def unit(vector: npt.ArrayLike) -> Vector:
 def frame_from_normal(normal: npt.ArrayLike) -> Matrix:
     """Return a (3, 3) rotation world_from_contact whose z axis is the normal.
 
-    The x axis is the world's x as far as it lies in the surface (y where it does not), so that a table
+    The x axis is the world's x as far as it lies in the surface (y where it does not), so that a
+    table
     gives the identity.
     """
     z = unit(normal)
@@ -125,9 +128,10 @@ def frame_from_normal(normal: npt.ArrayLike) -> Matrix:
 
 
 def base_from_midfeet(base_from_left_sole: Matrix, base_from_right_sole: Matrix) -> Matrix:
-    """Return the frame midway between the soles, x forward (the mean of the feet's), z the mean of theirs.
+    """Return the frame midway between the soles; its x and z are the means of the feet's.
 
-    In double support the world frame *is* this frame: `world_from_base = inverse(base_from_midfeet(...))`.
+    In double support the world frame *is* this frame:
+    `world_from_base = inverse(base_from_midfeet(...))`.
     """
     left, right = base_from_left_sole, base_from_right_sole
     z = unit(left[:3, 2] + right[:3, 2])

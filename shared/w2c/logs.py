@@ -39,7 +39,7 @@ class JsonFormatter(logging.Formatter):
 
 
 def configure_logs(service: str, level: str, run_directory: str) -> None:
-    """Send this process's log to stderr, and to `<run_directory>/<service>.jsonl` where one is given."""
+    """Send the log to stderr, and to `<run_directory>/<service>.jsonl` if there is one."""
     if level not in LEVELS:
         raise ConfigError(f"log level '{level}'; choose one of {', '.join(LEVELS)}")
     root = logging.getLogger()

@@ -1,6 +1,7 @@
 """The life cycle every process shares: configure, ready, run, drain, stop.
 
-A service gives a node: an object with `configure()`, `run(stop)` and `close()`. This module gives it a bus, a
+A service gives a node: an object with `configure()`, `run(stop)` and `close()`. This module gives
+it a bus, a
 clock, a log, health reports, and an orderly end at SIGTERM and SIGINT.
 """
 
@@ -32,7 +33,7 @@ class Node(Protocol):
     """One process's bus in, bus out."""
 
     def configure(self) -> None:
-        """Load models, declare subscriptions and methods. The process is ready when this returns."""
+        """Load models, subscribe, serve. The process is ready when this returns."""
 
     def run(self, stop: threading.Event) -> None:
         """Work until `stop` is set, then return within a second."""
@@ -129,7 +130,8 @@ def main(
     """Run one service from its flags. Returns the exit status: 0 done, 1 failed, 2 usage.
 
     `load_node` imports the node module, and with it the heavy dependencies of the extra.
-    `on_robot_host` connects to the robot's own endpoint, not to the router; `hub` is the robot itself,
+    `on_robot_host` connects to the robot's own endpoint, not to the router; `hub` is the robot
+    itself,
     which listens there.
     """
     import sys

@@ -1,7 +1,9 @@
 """The one registry of what travels on the bus.
 
-Keys are `w2c/v1/<robot>/<kind>/<service>/<name>`; calls are `w2c/v1/<robot>/rpc/<service>/<instance>/<method>`.
-The bus, the recorder, the health panel, the access-control file and the tables in the README derive from it.
+Keys are `w2c/v1/<robot>/<kind>/<service>/<name>`; calls are
+`w2c/v1/<robot>/rpc/<service>/<instance>/<method>`.
+The bus, the recorder, the health panel, the access-control file and the tables in the README
+derive from it.
 """
 
 from dataclasses import dataclass
@@ -21,7 +23,7 @@ Kind = Literal["state", "obs", "cmd", "goal", "event", "trace", "log", "health",
 
 
 class Priority(IntEnum):
-    """Of a message on a shared link; lower is more urgent. Mapped to Zenoh's priorities by the bus."""
+    """Of a message on a shared link; lower is more urgent. The bus maps it to Zenoh's."""
 
     REAL_TIME = 1
     INTERACTIVE = 2
@@ -44,7 +46,7 @@ class Topic(Generic[M_co]):
     readers: tuple[str, ...]
     recorded: bool = True
     drops: bool = True
-    """True: the newest matters, a congested link drops. False: none may be lost, the writer waits."""
+    """True: a congested link drops, the newest matters. False: the writer waits."""
     max_bytes: int = 1_000_000
     lock_step: bool = False
     """True: in lock step this link blocks instead of dropping."""
@@ -80,7 +82,7 @@ def liveliness_key(robot: str, service: str = "*", instance: str = "*") -> str:
 ALL = ("*",)
 OPERATORS = ("console", "operator", "dialogue", "evaluation")
 
-# --- streams ---------------------------------------------------------------------------------------------------------
+# --- streams
 ROBOT_STATE = Topic(
     "state", "robot", "joints", m.RobotState, Priority.REAL_TIME, 500.0,
     ("controller", "perception", "console"), lock_step=True,
@@ -140,11 +142,12 @@ TRACE = Topic(
 TRUTH = Topic("truth", "robot", "physics", m.Truth, Priority.DATA, 100.0, ("camera", "evaluation"))
 
 TOPICS: tuple[Topic[Any], ...] = (
-    ROBOT_STATE, JOINT_COMMAND, CAMERA_FRAME, CAMERA_VIEW, CONTROLLER_STATUS, GOAL_EVENT, TARGET, TURN,
+    ROBOT_STATE, JOINT_COMMAND, CAMERA_FRAME, CAMERA_VIEW, CONTROLLER_STATUS, GOAL_EVENT, TARGET,
+    TURN,
     MARK, RECORDER_STATUS, PROCESS_TABLE, HEALTH, LOG, TRACE, TRUTH,
 )  # fmt: skip
 
-# --- calls -----------------------------------------------------------------------------------------------------------
+# --- calls
 DESCRIBE = Method("robot", "describe", m.Empty, m.RobotDescription, ALL, max_bytes=4_000_000)
 ROBOT_STOP = Method("robot", "stop", m.StopRequest, m.StopReply, ALL, timeout_s=2.0)
 ROBOT_RESUME = Method("robot", "resume", m.Empty, m.StopReply, OPERATORS)
@@ -181,12 +184,15 @@ RECORD_STATUS = Method("recorder", "status", m.Empty, m.RecorderStatus, OPERATOR
 RECORD_MARK = Method("recorder", "mark", m.MarkRequest, m.RecorderStatus, OPERATORS)
 
 METHODS: tuple[Method[Any, Any], ...] = (
-    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, CAPTURE, PICTURE, LIFT, PLACE, RELEASE, CONTROLLER_STOP, PREVIEW,
-    COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, RECORD_START, RECORD_STOP, RECORD_STATUS, RECORD_MARK,
+    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, CAPTURE, PICTURE, LIFT, PLACE, RELEASE, CONTROLLER_STOP,
+    PREVIEW,
+    COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, RECORD_START, RECORD_STOP, RECORD_STATUS,
+    RECORD_MARK,
 )  # fmt: skip
 
 SERVICES = (
-    "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder", "console",
+    "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder",
+    "console",
 )  # fmt: skip
 """Every process of the running system, without router and launcher, in the order they start."""
 

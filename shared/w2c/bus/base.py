@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """A bounded queue between the bus's thread and the service's. Full: the oldest is dropped, counted."""
+    """Between the bus's thread and the service's. Full: the oldest is dropped, and counted."""
 
     def __init__(self, size: int, on_drop: Callable[[], None]) -> None:
         self._items: deque[T] = deque()
@@ -206,7 +206,7 @@ class BusBase(ABC):
         return encode_envelope(envelope), sequence
 
     def _decode(self, message_type: type[M], limit: int, raw: RawReceived) -> Received[M] | None:
-        """Return the message, or None for bytes that are none: counted, never raised at the reader."""
+        """Return the message, or None for bytes that are none: counted, not raised."""
         try:
             envelope = decode_envelope(raw.payload, limit)
             message = validate(envelope.data, message_type)
@@ -223,7 +223,7 @@ class BusBase(ABC):
         handler: Callable[[Request, CallContext], Reply],
         raw: RawReceived,
     ) -> tuple[bool, bytes]:
-        """Run the handler of a call. Returns (done, reply) or (False, ErrorReply): nothing escapes."""
+        """Run a handler. Returns (True, reply) or (False, ErrorReply): nothing escapes."""
         try:
             envelope = decode_envelope(raw.payload, method.max_bytes)
             request = validate(envelope.data, method.request)
@@ -274,8 +274,8 @@ class BusBase(ABC):
 
     def _unavailable(self, method: Method[Any, Any]) -> UnavailableError:
         return UnavailableError(
-            f"nobody serves {method.service}/{method.name}; is the {method.service} process running? "
-            "Look with: w2c status"
+            f"nobody serves {method.service}/{method.name}; "
+            f"is the {method.service} process running? Look with: w2c status"
         )
 
     @abstractmethod

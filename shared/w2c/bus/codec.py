@@ -1,5 +1,6 @@
-"""Messages to bytes and back. msgpack makes the bytes, msgspec validates into the structs on arrival.
+"""Messages to bytes and back.
 
+msgpack makes the bytes, msgspec validates into the structs on arrival.
 Arrays are one msgpack extension type: dtype, shape, little-endian bytes. Images are bytes fields.
 """
 
@@ -142,7 +143,7 @@ def decode_envelope(payload: bytes, limit: int = MAX_BYTES) -> Envelope:
 
 
 def validate(data: Any, message_type: type[M]) -> M:
-    """Return the struct of a decoded map. Raises MessageError with the path of the offending field."""
+    """Return the struct of a decoded map. Raises MessageError with the offending path."""
     try:
         return msgspec.convert(data, message_type, dec_hook=_convert_unknown)
     except (msgspec.ValidationError, TypeError) as error:

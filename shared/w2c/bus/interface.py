@@ -71,7 +71,7 @@ class Queue(Protocol[M_co]):
 
 
 class RawQueue(Protocol):
-    """Every message of a key expression in order, not decoded. Full: the oldest is dropped, and counted."""
+    """Every message of a key expression in order, not decoded. Full: the oldest drops."""
 
     def receive(self, timeout_s: float) -> RawReceived | None:
         """Return the next message; None after the time-out."""

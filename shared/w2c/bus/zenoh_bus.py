@@ -1,7 +1,9 @@
 """The bus on Zenoh 1.10.
 
-Everyone is a client of a router, but for the robot driver: a peer that listens for the controller and dials
-the router, so that the router's death leaves robot and controller talking. Scouting, gossip and shared memory
+Everyone is a client of a router, but for the robot driver: a peer that listens for the controller
+and dials
+the router, so that the router's death leaves robot and controller talking. Scouting, gossip and
+shared memory
 are off; everyone dials one way only, with the same lease.
 """
 
@@ -36,7 +38,8 @@ PRIORITIES = {
     topics.Priority.DATA_LOW: zenoh.Priority.DATA_LOW,
 }
 POLL_S = 0.002
-# An empty answer that comes sooner than this means that the call reached nobody yet: safe to ask again.
+# An empty answer that comes sooner than this means that the call reached nobody yet: safe to ask
+# again.
 NOT_DELIVERED_S = 0.05
 LIVELINESS_PATIENCE_S = 1.5
 
@@ -101,7 +104,7 @@ def connect_hub(config: ServiceConfig, service: str) -> "ZenohBus":
 
 
 class LatestRing(Generic[M]):
-    """The newest message of a topic, out of a ring of one: a slow reader drops, and delays nobody."""
+    """The newest message of a topic, out of a ring of one: a slow reader delays nobody."""
 
     def __init__(
         self, subscriber: Any, decode: Callable[[RawReceived], Received[M] | None]
@@ -145,7 +148,7 @@ class LatestRing(Generic[M]):
 
 
 class ZenohBus(BusBase):
-    """See `w2c.bus.interface.Bus`. Use it in a `with`: a session that is not closed hangs the interpreter."""
+    """See `w2c.bus.interface.Bus`. Use it in a `with`: an unclosed session hangs the exit."""
 
     def __init__(self, session: zenoh.Session, robot: str, service: str, instance: str) -> None:
         super().__init__(robot, service, instance)
@@ -237,7 +240,7 @@ class ZenohBus(BusBase):
         self._closed = True
         for pool in self._pools:
             pool.shutdown(wait=False, cancel_futures=True)
-        self._session.close()
+        self._session.close()  # type: ignore[no-untyped-call]
 
     def _on_liveliness(self, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
@@ -280,7 +283,7 @@ class ZenohBus(BusBase):
             for topic in topics.TOPICS:
                 publisher = self._publishers.pop(topic.key(self.robot, self.service), None)
                 if publisher is not None and topic.lock_step:
-                    publisher.undeclare()
+                    publisher.undeclare()  # type: ignore[no-untyped-call]
 
     def _subscribe(self, key_expression: str, deliver: Callable[[RawReceived], None]) -> None:
         def receive(sample: zenoh.Sample) -> None:
@@ -296,7 +299,7 @@ class ZenohBus(BusBase):
         )
 
     def _instance_of(self, service: str, patience_s: float) -> str | None:
-        """Return the live replica with the fewest calls of ours under way; wait a little for the first."""
+        """Return the live replica with the fewest calls of ours; wait a little for the first."""
 
         def candidates() -> list[str]:
             return [instance for name, instance in self._alive.values() if name == service]
@@ -359,8 +362,8 @@ class ZenohBus(BusBase):
                 f"{len(replies)} processes answered {key}; give each replica its own --instance"
             )
         for reply in replies:
-            if reply.ok is None:
+            if reply.err is not None:
                 self._raise_error_reply(method, reply.err.payload.to_bytes())
-            else:
+            elif reply.ok is not None:
                 return RawReceived(key, reply.ok.payload.to_bytes(), time.monotonic_ns())
         return None

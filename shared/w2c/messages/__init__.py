@@ -1,8 +1,10 @@
 """Every message of the system, one frozen struct each. Units and frames stand in the docstrings.
 
 World: origin on the floor midway between the soles when the controller starts, x forward, z up.
-Metres, radians, newtons, seconds; stamps are integer nanoseconds of robot time. Quaternions are xyzw.
-Wrenches are force then torque, what the environment exerts on the robot. Pixels are (u right, v down).
+Metres, radians, newtons, seconds; stamps are integer nanoseconds of robot time. Quaternions are
+xyzw.
+Wrenches are force then torque, what the environment exerts on the robot. Pixels are (u right, v
+down).
 """
 
 from w2c.messages.base import (

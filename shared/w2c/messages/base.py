@@ -15,7 +15,7 @@ Stamp = Annotated[int, msgspec.Meta(ge=0)]
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, eq=False):
-    """Base of every message. Not comparable with ==, because arrays are not: compare encoded bytes."""
+    """Base of every message. Compare encoded bytes, not structs: arrays have no ==."""
 
 
 def check_array(
@@ -26,7 +26,7 @@ def check_array(
     finite: bool = True,
     dtype: npt.DTypeLike = np.float64,
 ) -> None:
-    """Raise ValueError unless `value` has this dtype, this shape (None = any length) and is finite."""
+    """Raise ValueError unless dtype, shape (None = any length) and finiteness are right."""
     if value.dtype != np.dtype(dtype):
         raise ValueError(f"{name}: dtype {value.dtype}, expected {np.dtype(dtype)}")
     fits = value.ndim == len(shape) and all(

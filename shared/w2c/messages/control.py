@@ -118,7 +118,7 @@ class ControllerStatus(Message, frozen=True, kw_only=True):
     end_effector_positions: Array
     """(4, 3) desired, in the world [m]"""
     loads: Array
-    """(4,) normal force [N]: measured at the feet and the left wrist; the right hand's from torques"""
+    """(4,) normal force [N]: measured at feet and left wrist; the right hand's from torques"""
     solver_failures: int
     lateness_us: dict[str, float]
     """p50, p99, max of the last seconds [us]; gaps_20ms since the start [count]"""

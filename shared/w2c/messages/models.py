@@ -1,6 +1,7 @@
 """Messages of the stateless model services: llm and grounding.
 
-A request carries everything, so that any replica can answer and any recorded request can be asked again.
+A request carries everything, so that any replica can answer and any recorded request can be asked
+again.
 """
 
 from typing import Annotated, Any, Literal

@@ -8,7 +8,7 @@ from w2c.messages.base import Array, Message, Stamp, Text, check_array
 
 
 class CameraView(Message, frozen=True, kw_only=True):
-    """Where the camera was when it took a frame: enough to project a world point into that frame."""
+    """Where the camera was when it took a frame: projects a world point into that frame."""
 
     stamp_ns: Stamp
     """Of the frame"""

@@ -7,6 +7,9 @@ from contextlib import ExitStack
 import numpy as np
 import pytest
 import zenoh
+
+from support.ports import free_endpoint
+from support.waiting import wait_until
 from w2c import topics
 from w2c.bus import Bus, CallContext, InProcessHub
 from w2c.bus.zenoh_bus import connect
@@ -22,9 +25,6 @@ from w2c.errors import (
 )
 from w2c.messages import Empty, JointCommand, MarkRequest, RecorderStatus, StopReply, StopRequest
 from w2c.router import RouterConfig, open_router
-
-from support.ports import free_endpoint
-from support.waiting import wait_until
 
 Connect = Callable[[str], Bus]
 
