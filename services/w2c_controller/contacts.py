@@ -1,0 +1,94 @@
+"""Which contacts exist, where their wrenches stand among the variables, and the cones they stay in."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c_controller.parameters import FEET, HANDS, Limits
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+
+Enabled = tuple[bool, bool, bool, bool]
+"""Left foot, right foot, left hand, right hand."""
+
+PLANE_SIZE = 6
+POINT_SIZE = 3
+
+
+@dataclass(frozen=True)
+class ContactLayout:
+    """Order of the QP's variables x = [v (nv); wrench rates], for one set of contacts."""
+
+    enabled: Enabled
+    nv: int
+
+    @cached_property
+    def slices(self) -> dict[int, slice]:
+        """Where the wrench rate of each enabled contact stands in x."""
+        result = {}
+        start = self.nv
+        for k in (*FEET, *HANDS):
+            if self.enabled[k]:
+                size = PLANE_SIZE if k in FEET else POINT_SIZE
+                result[k] = slice(start, start + size)
+                start += size
+        return result
+
+    @cached_property
+    def size(self) -> int:
+        """Number of variables."""
+        return self.nv + sum(s.stop - s.start for s in self.slices.values())
+
+    @cached_property
+    def equality_rows(self) -> int:
+        """Six for the base's equilibrium, six a plane, three a point."""
+        return 6 + self.size - self.nv
+
+
+def plane_cone(limits: Limits) -> Matrix:
+    """Return C (16, 6) of C w <= 0 for w = (fx, fy, fz, tx, ty, tz) in the sole frame.
+
+    Friction, centre of pressure, and torsion of a rectangular sole with half sizes X, Y (Caron, Pham and
+    Nakamura, ICRA 2015):
+
+        |fx|, |fy| <= mu fz,   |tx| <= Y fz,   |ty| <= X fz,
+        tz >= -mu (X+Y) fz + |Y fx - mu tx| + |X fy - mu ty|,
+        tz <=  mu (X+Y) fz - |Y fx + mu tx| - |X fy + mu ty|.
+    """
+    mu, x, y = limits.friction, limits.cop_x, limits.cop_y
+    rows = []
+    for sign in (1.0, -1.0):
+        rows.append([sign, 0, -mu, 0, 0, 0])
+        rows.append([0, sign, -mu, 0, 0, 0])
+        rows.append([0, 0, -y, sign, 0, 0])
+        rows.append([0, 0, -x, 0, sign, 0])
+    reach = mu * (x + y)
+    for a in (1.0, -1.0):
+        for b in (1.0, -1.0):
+            rows.append([a * y, b * x, -reach, -a * mu, -b * mu, -1.0])
+            rows.append([a * y, b * x, -reach, a * mu, b * mu, 1.0])
+    return np.array(rows)
+
+
+def point_cone(limits: Limits) -> Matrix:
+    """Return C (4, 3) of C f <= 0 for f in the contact frame: |fx|, |fy| <= mu fz."""
+    mu = limits.friction
+    return np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]], dtype=np.float64)
+
+
+def wrench_rate_limits(limits: Limits, contact: int) -> Vector:
+    """Return the largest wrench rate (6,) or (3,) of a contact [N/s, Nm/s]."""
+    if contact in FEET:
+        force, torque = limits.foot_force_rate, limits.foot_torque_rate
+        return np.array([force, force, force, torque, torque, torque])
+    return np.full(POINT_SIZE, limits.hand_force_rate)
+
+
+def normal_force_limits(limits: Limits, contact: int) -> tuple[float, float]:
+    """Return the smallest and largest normal force of a loaded contact [N]."""
+    if contact in FEET:
+        return limits.foot_force_min, limits.foot_force_max
+    return limits.hand_force_min, limits.hand_force_max

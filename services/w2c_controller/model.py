@@ -1,0 +1,226 @@
+"""The robot's model: what is constant (`ControlledModel`) and what depends on the posture (`Kinematics`).
+
+q (nq,) = base position in the world, base quaternion xyzw, joints; v (nv,) = base twist in the base frame,
+linear then angular, joint velocities. Joints are in Pinocchio's order; `joint_indices` leads from the
+order of the bus.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from w2c.errors import ConfigError
+from w2c.geometry import base_from_midfeet, quaternion_from_rotation
+from w2c.messages import RobotDescription
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
+
+HELD_PREFIXES = ("head_", "gripper_")
+"""Joints that the QP does not move: the head looks, a gripper of 1 Nm effort makes any QP infeasible."""
+
+
+@dataclass(frozen=True)
+class ControlledModel:
+    """A floating-base model of the joints in the QP, with the frames of the four end effectors."""
+
+    model: pin.Model
+    frames: tuple[int, int, int, int]
+    """Frame ids: left sole, right sole, left hand, right hand."""
+    hand_radius: tuple[float, float]
+    stiffness: Vector
+    """(nj,) [Nm/rad]"""
+    effort: Vector
+    """(nj,) [Nm]"""
+    lower: Vector
+    """(nj,) [rad]"""
+    upper: Vector
+    velocity: Vector
+    """(nj,) limit [rad/s]"""
+    joint_indices: Indices
+    """(nj,) where joint i of the QP stands in vectors of the bus"""
+    joint_names: tuple[str, ...]
+
+    @property
+    def nv(self) -> int:
+        """Number of velocities: 6 of the base and one a joint."""
+        return int(self.model.nv)
+
+    @property
+    def nj(self) -> int:
+        """Number of joints in the QP."""
+        return int(self.model.nv) - 6
+
+    def joints_of(self, index: int) -> Indices:
+        """Return the rows (in v) of the joints that move only this end effector's limb, base to tip."""
+        joint = self.model.frames[self.frames[index]].parentJoint
+        prefix = self.joint_names[joint - 2].rsplit("_", 2)[0]
+        names = [i for i, name in enumerate(self.joint_names) if name.startswith(prefix)]
+        return np.array(names, dtype=np.intp) + 6
+
+
+def build_model(description: RobotDescription) -> ControlledModel:
+    """Return the model of a robot that describes itself. Raises ConfigError."""
+    try:
+        full = pin.buildModelFromXML(description.urdf, pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError) as error:
+        raise ConfigError(f"the robot's description is no URDF that Pinocchio reads: {error}") from error
+    positions = {
+        joint.name: float(angle)
+        for joint, angle in zip(description.joints, description.initial_position, strict=True)
+    }
+    unknown = [name for name in positions if not full.existJointName(name)]
+    if unknown:
+        raise ConfigError(f"joints {unknown} are on the bus but not in the robot's URDF")
+    moved = {name for name in positions if not name.startswith(HELD_PREFIXES)}
+    reference = pin.neutral(full)
+    locked = []
+    for index in range(2, full.njoints):
+        name = full.names[index]
+        if name in positions and full.joints[index].nq == 1:
+            reference[full.joints[index].idx_q] = positions[name]
+        if name not in moved:
+            locked.append(index)
+    return _describe(pin.buildReducedModel(full, locked, reference), description)
+
+
+def _describe(model: pin.Model, description: RobotDescription) -> ControlledModel:
+    """Put the facts of the description beside the reduced model, in its order of joints."""
+    names = tuple(model.names[2:])
+    order = {joint.name: i for i, joint in enumerate(description.joints)}
+    indices = np.array([order[name] for name in names], dtype=np.intp)
+    frames = []
+    for frame in (*description.sole_frames, *description.hand_frames):
+        if not model.existFrame(frame):
+            raise ConfigError(f"frame '{frame}' of the robot's description is not in its URDF")
+        frames.append(model.getFrameId(frame))
+    left_foot, right_foot, left_hand, right_hand = frames
+    return ControlledModel(
+        model=model,
+        frames=(left_foot, right_foot, left_hand, right_hand),
+        hand_radius=description.hand_radius,
+        stiffness=np.array([description.joints[i].stiffness for i in indices]),
+        effort=np.array([description.joints[i].effort_limit for i in indices]),
+        lower=model.lowerPositionLimit[7:].copy(),
+        upper=model.upperPositionLimit[7:].copy(),
+        velocity=model.velocityLimit[6:].copy(),
+        joint_indices=indices,
+        joint_names=names,
+    )
+
+
+def standing_configuration(controlled: ControlledModel, joints: Vector) -> Vector:
+    """Return q (nq,) with the world midway between the soles, for joint angles (nj,) in the model's order."""
+    model = controlled.model
+    data = model.createData()
+    q = pin.neutral(model)
+    q[7:] = joints
+    pin.framesForwardKinematics(model, data, q)
+    left, right = (data.oMf[controlled.frames[k]].homogeneous.copy() for k in (0, 1))
+    world_from_base = np.linalg.inv(base_from_midfeet(left, right))
+    q[:3] = world_from_base[:3, 3]
+    q[3:7] = quaternion_from_rotation(world_from_base[:3, :3])
+    return np.asarray(q, dtype=np.float64)
+
+
+def skew(vector: Vector) -> Matrix:
+    """Return [v]x (3, 3), so that skew(v) @ w = v x w."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+class Kinematics:
+    """Everything the QP needs of one posture under one set of contact wrenches.
+
+    Pinocchio hands out views of its data that the next call overwrites: all outputs here are copies in
+    preallocated arrays, and every `Kinematics` has data of its own, so that two of them may run in two
+    threads.
+    """
+
+    def __init__(self, controlled: ControlledModel) -> None:
+        self.controlled = controlled
+        self._data = controlled.model.createData()
+        nv = controlled.nv
+        self.positions = np.zeros((4, 3))
+        """Of the end effectors in the world."""
+        self.rotations = np.zeros((4, 3, 3))
+        """world_from_effector"""
+        self.jacobians = np.zeros((4, 6, nv))
+        """Linear then angular, world-aligned, at the frame's origin."""
+        self.local_jacobians = np.zeros((2, 6, nv))
+        """Of the soles, in the sole frames."""
+        self.momentum = np.zeros((6, nv))
+        """A_G: centroidal momentum of v."""
+        self.static = np.zeros(nv)
+        """s(q, lambda) = g(q) - sum J^T lambda (nv,): base residual, then joint torques."""
+        self.static_dq = np.zeros((nv, nv))
+        """T_q = ds/dq (nv, nv), in the tangent space of q."""
+        self._parents: list[int] = []
+        self._parent_from_frame: list[Any] = []
+        for frame in controlled.frames:
+            self._parents.append(controlled.model.frames[frame].parentJoint)
+            self._parent_from_frame.append(pin.SE3(controlled.model.frames[frame].placement))
+        self._external = pin.StdVec_Force()
+        for _ in range(controlled.model.njoints):
+            self._external.append(pin.Force.Zero())
+
+    def update_frames(self, q: Vector) -> None:
+        """Compute placements and Jacobians of the end effectors."""
+        model, data = self.controlled.model, self._data
+        pin.computeJointJacobians(model, data, q)
+        for k, frame in enumerate(self.controlled.frames):
+            placement = pin.updateFramePlacement(model, data, frame)
+            self.positions[k] = placement.translation
+            self.rotations[k] = placement.rotation
+            jacobian = pin.getFrameJacobian(
+                model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
+            self.jacobians[k] = jacobian
+            if k < 2:
+                effector_from_world = self.rotations[k].T
+                self.local_jacobians[k, :3] = effector_from_world @ jacobian[:3]
+                self.local_jacobians[k, 3:] = effector_from_world @ jacobian[3:]
+
+    def update_statics(
+        self, q: Vector, wrenches: Matrix, contact_rotations: Matrix, enabled: tuple[bool, ...]
+    ) -> None:
+        """Compute s, T_q and A_G; `update_frames` of the same q comes first.
+
+        Args:
+            q: (nq,)
+            wrenches: (4, 6) feet: force, torque in the sole frame; hands: force in the contact frame, 0.
+            contact_rotations: (4, 3, 3) world_from_contact; of the hands.
+            enabled: Which contacts exist.
+        """
+        model, data = self.controlled.model, self._data
+        world_forces = []
+        for k in range(4):
+            joint = self._parents[k]
+            if not enabled[k]:
+                self._external[joint] = pin.Force.Zero()
+                continue
+            wrench = pin.Force(wrenches[k])
+            if k >= 2:
+                world_force = contact_rotations[k] @ wrenches[k, :3]
+                world_forces.append((k, world_force))
+                wrench = pin.Force(self.rotations[k].T @ world_force, np.zeros(3))
+            self._external[joint] = self._parent_from_frame[k].act(wrench)
+        self.static[:] = pin.computeStaticTorque(model, data, q, self._external)
+        self.static_dq[:] = pin.computeStaticTorqueDerivatives(model, data, q, self._external)
+        for k, world_force in world_forces:
+            # Pinocchio holds forces constant in the body; the hand's is constant in the world.
+            linear, angular = self.jacobians[k, :3], self.jacobians[k, 3:]
+            self.static_dq -= linear.T @ (skew(world_force) @ angular)
+        self.momentum[:] = pin.computeCentroidalMap(model, data, q)
+
+    def integrate(self, q: Vector, increment: Vector) -> Vector:
+        """Return q (+) increment (nv,)."""
+        return np.asarray(pin.integrate(self.controlled.model, q, increment))
+
+    def center_of_mass(self, q: Vector) -> Vector:
+        """Return the centre of mass (3,) in the world."""
+        return np.array(pin.centerOfMass(self.controlled.model, self._data, q))

@@ -1,0 +1,147 @@
+"""Every number of the controller: weights, limits and rates, with units and where they come from.
+
+Values without a remark are those published for Talos with SEIKO (arXiv 2312.16465 and its parameter
+tables). `dataclasses.replace` makes variants; nothing here changes at run time.
+"""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+LEFT_FOOT: Final = 0
+RIGHT_FOOT: Final = 1
+LEFT_HAND: Final = 2
+RIGHT_HAND: Final = 3
+EFFECTORS: Final = ("left_foot", "right_foot", "left_hand", "right_hand")
+"""Order of every array over end effectors. Feet are plane contacts, hands point contacts."""
+FEET: Final = (LEFT_FOOT, RIGHT_FOOT)
+HANDS: Final = (LEFT_HAND, RIGHT_HAND)
+
+DEGREE: Final = 0.017453292519943295
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Of the costs w |residual|^2."""
+
+    joint_velocity: float = 1000.0
+    posture: float = 10.0
+    momentum: float = 1e-6
+    foot_position: float = 1e5
+    foot_rotation: float = 1e4
+    hand_position: float = 5e3
+    hand_rotation: tuple[float, float] = (1e2, 1e2)
+    """Left, right; of a free hand, and of a hand in contact, whose position is an equality."""
+    arm_torque: float = 0.005
+    body_torque: float = 2e-5
+    plane_wrench: tuple[float, ...] = (0.002, 0.002, 2e-5, 0.002, 0.002, 0.002)
+    """Force x, y, z, torque x, y, z in the sole frame; the normal is cheap, so it shares the weight."""
+    point_force: tuple[float, float, float] = (0.005, 0.005, 5e-5)
+    """In the contact frame."""
+    release_factor: float = 1e4
+    """On the normalised wrench weights of a contact that is being unloaded."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a solution may not exceed."""
+
+    joint_margin: float = 15 * DEGREE
+    """Kept from the limits of the URDF [rad]."""
+    joint_margin_factors: dict[str, float] = field(default_factory=lambda: {"torso_2_joint": 0.7})
+    velocity_fraction: float = 0.2
+    """Of the URDF's velocity limit."""
+    torque_fraction: float = 0.65
+    """Of the effort limit."""
+    friction: float = 0.6
+    cop_x: float = 0.04
+    """Half length of the area where the centre of pressure may be [m]; the sole's is 0.10."""
+    cop_y: float = 0.03
+    foot_force_min: float = 100.0
+    foot_force_max: float = 1000.0
+    hand_force_min: float = 10.0
+    hand_force_max: float = 150.0
+    foot_force_rate: float = 60.0
+    """[N/s]"""
+    foot_torque_rate: float = 2.4
+    """[Nm/s]"""
+    hand_force_rate: float = 10.0
+
+
+@dataclass(frozen=True)
+class Clamps:
+    """The largest error that one tick tries to remove."""
+
+    posture: float = 10 * DEGREE
+    position: float = 0.04
+    """[m]"""
+    rotation: float = 10 * DEGREE
+    # The equalities ask to remove the whole drift in one tick. Unbounded, a drift of 0.3 N or 0.1 mm
+    # makes the QP infeasible against its rate limits; bounded, 30 N are absorbed within seconds.
+    bias_force: float = 0.05
+    """Correction of the static equilibrium in one tick [N]."""
+    bias_torque: float = 0.002
+    """[Nm]"""
+    bias_position: float = 20e-6
+    """Correction of a contact's position in one tick [m]."""
+    bias_rotation: float = 1e-4
+    """[rad]"""
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Command pre-processing of a free hand."""
+
+    low_pass_hz: float = 2.0
+    lead_position: float = 0.03
+    """How far the commanded point may run ahead of the hand [m]: anti-windup."""
+    lead_rotation: float = 0.2
+    speed: float = 0.2
+    """[m/s]"""
+    acceleration: float = 2.0
+    angular_speed: float = 1.0
+    angular_acceleration: float = 3.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Of the way to a target, and how a contact is made and released. Ours, not SEIKO's."""
+
+    via_height: float = 0.06
+    """Of the point above the surface from which the hand comes down along the normal [m]."""
+    speed: float = 0.12
+    """Of free motion [m/s]."""
+    touch_speed: float = 0.025
+    """Along the normal, near the surface [m/s]."""
+    overtravel: float = 0.03
+    """How far below the expected surface it is searched before giving up [m]."""
+    touch_force: float = 10.0
+    """Measured normal force that is a touch [N]."""
+    load_confirmed: float = 5.0
+    """Measured normal force without which a contact does not count as loaded [N]."""
+    reach_standoff: float = 0.01
+    """Where a reaching hand stops above the surface, along the normal [m]."""
+    reached_distance: float = 0.02
+    reached_speed: float = 0.02
+    stall_distance: float = 0.002
+    """Less progress than this within `stall_time` is a stall [m]."""
+    stall_time: float = 2.0
+    approach_timeout: float = 30.0
+    """Wall of robot time for one phase [s]."""
+    load_timeout: float = 15.0
+    unload_timeout: float = 30.0
+    retreat_height: float = 0.08
+    blend_time: float = 2.0
+    """From the command in force to the controller's own, after each start [s]."""
+    ahead_time: float = 0.0
+    """The command is the posture this far ahead [s]; the robot interpolates to it by itself."""
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """All of them."""
+
+    weights: Weights = field(default_factory=Weights)
+    limits: Limits = field(default_factory=Limits)
+    clamps: Clamps = field(default_factory=Clamps)
+    filters: Filters = field(default_factory=Filters)
+    motion: Motion = field(default_factory=Motion)
