@@ -1,0 +1,1 @@
+"""Scenes: what stands in front of the simulated robot, built from primitives and procedural textures."""
