@@ -1,0 +1,1 @@
+"""Starts the processes of a profile, waits until ready, watches, restarts, stops in order."""

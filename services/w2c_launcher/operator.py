@@ -1,0 +1,251 @@
+"""The verbs of the operator: `say`, `confirm`, `place`, `release`, `stop`, `resume`."""
+
+import sys
+import time
+import uuid
+from typing import Annotated
+
+import msgspec
+import numpy as np
+
+from w2c import topics
+from w2c.bus import Bus, Queue
+from w2c.bus.zenoh_bus import connect
+from w2c.config import ServiceConfig, parse
+from w2c.errors import BusError, CallError, ConfigError, ConnectionFailedError
+from w2c.messages import (
+    ConfirmRequest,
+    Empty,
+    EndEffector,
+    GoalEvent,
+    PlaceGoal,
+    PointRequest,
+    ReleaseGoal,
+    SayRequest,
+    StopRequest,
+    Target,
+    Task,
+    Turn,
+)
+from w2c.system import Connection, service_config
+
+FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}
+GOOD_STATES = {"loaded", "reached", "released"}
+
+
+class SayConfig(Connection, frozen=True, kw_only=True):
+    """Say something to the robot."""
+
+    text: str
+    """What to say."""
+
+
+def say(arguments: list[str] | None = None) -> int:
+    """Say something; prints what was understood. `w2c say "put your hand on the book"`."""
+    words, flags = _split_words(arguments or [])
+    if not words and "--text" not in flags and "--help" not in flags and "-h" not in flags:
+        raise ConfigError('nothing said; example: w2c say "place your right hand on the book"')
+    text = ["--text", " ".join(words)] if words else []
+    config = parse(SayConfig, [*flags, *text], program="w2c say")
+    with _connect(config) as bus:
+        target = bus.latest(topics.TARGET)
+        turn = bus.call(
+            topics.SAY, SayRequest(text=config.text, target_id=_current_target(target.wait(1.2)))
+        ).message
+        _print_turn(turn)
+        return 0 if turn.ok else 1
+
+
+def _current_target(received: object) -> str:
+    """Return the id of the proposed target that the dialogue last published."""
+    message = getattr(received, "message", None)
+    if isinstance(message, Target) and message.state == "proposed":
+        return message.target_id
+    return ""
+
+
+class ConfirmConfig(Connection, frozen=True, kw_only=True):
+    """Confirm the target: the robot goes there."""
+
+    target: str = ""
+    """Id of the target; empty = the one that is proposed now."""
+
+
+def confirm(arguments: list[str] | None = None) -> int:
+    """Confirm the proposed target."""
+    config = parse(ConfirmConfig, arguments or [], program="w2c confirm")
+    with _connect(config) as bus:
+        target_id = config.target or _current_target(bus.latest(topics.TARGET).wait(1.5))
+        if not target_id:
+            print('there is no target to confirm; propose one first: w2c say "..."')
+            return 1
+        turn = bus.call(topics.CONFIRM, ConfirmRequest(target_id=target_id)).message
+        _print_turn(turn)
+        return 0 if turn.ok else 1
+
+
+class PlaceConfig(Connection, frozen=True, kw_only=True):
+    """Bring an end effector to a point of the world, or of the picture, without words."""
+
+    end_effector: EndEffector
+    """Which one."""
+    task: Task = "contact"
+    """contact = lean on it, reach = touch it."""
+    point: tuple[float, float, float] | None = None
+    """On the surface, in the world [m]."""
+    pixel: tuple[float, float] | None = None
+    """(u, v) in the newest picture."""
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Of the surface at --point."""
+    wait: Annotated[float, msgspec.Meta(ge=0)] = 60.0
+    """How long to wait for the end [s]; 0 = return at once."""
+
+
+def place(arguments: list[str] | None = None) -> int:
+    """Place an end effector. Exit status 0 when it got there."""
+    config = parse(PlaceConfig, arguments or [], program="w2c place")
+    if (config.point is None) == (config.pixel is None):
+        raise ConfigError("give either --point X Y Z or --pixel U V")
+    with _connect(config) as bus:
+        events = bus.queue(topics.GOAL_EVENT)
+        if config.pixel is not None:
+            goal_id = _place_pixel(bus, config, config.pixel)
+        else:
+            goal = PlaceGoal(
+                goal_id=f"place-{uuid.uuid4().hex[:8]}",
+                end_effector=config.end_effector,
+                task=config.task,
+                point=np.array(config.point),
+                normal=np.array(config.normal),
+            )
+            goal_id = bus.call(topics.PLACE, goal).message.goal_id
+        return _follow(events, goal_id, config.wait)
+
+
+def _place_pixel(bus: Bus, config: PlaceConfig, pixel: tuple[float, float]) -> str:
+    request = PointRequest(
+        u=pixel[0], v=pixel[1], end_effector=config.end_effector, task=config.task
+    )
+    turn = bus.call(topics.POINT, request).message
+    _print_turn(turn)
+    if not turn.ok or turn.target is None:
+        return ""
+    confirmed = bus.call(topics.CONFIRM, ConfirmRequest(target_id=turn.target.target_id)).message
+    _print_turn(confirmed)
+    return confirmed.goal_id if confirmed.ok else ""
+
+
+class ReleaseConfig(Connection, frozen=True, kw_only=True):
+    """Take a hand off its support and bring it back."""
+
+    end_effector: EndEffector
+    """Which one."""
+    wait: Annotated[float, msgspec.Meta(ge=0)] = 60.0
+    """How long to wait for the end [s]."""
+
+
+def release(arguments: list[str] | None = None) -> int:
+    """Release a hand."""
+    config = parse(ReleaseConfig, arguments or [], program="w2c release")
+    with _connect(config) as bus:
+        events = bus.queue(topics.GOAL_EVENT)
+        goal = ReleaseGoal(
+            goal_id=f"release-{uuid.uuid4().hex[:8]}", end_effector=config.end_effector
+        )
+        return _follow(events, bus.call(topics.RELEASE, goal).message.goal_id, config.wait)
+
+
+class StopConfig(Connection, frozen=True, kw_only=True):
+    """Make the robot hold, whatever else lives or is dead."""
+
+    reason: str = "operator"
+    """Goes into the recording."""
+
+
+def stop(arguments: list[str] | None = None) -> int:
+    """Hold: asks the robot's own endpoint first, then the router. Exit status 0 = acknowledged."""
+    config = parse(StopConfig, arguments or [], program="w2c stop")
+    service = service_config(config)
+    problems = []
+    for endpoint in (service.robot_endpoint, service.router):
+        try:
+            with connect(service, "operator", [endpoint]) as bus:
+                reply = bus.call(topics.ROBOT_STOP, StopRequest(reason=config.reason)).message
+        except (ConnectionFailedError, CallError) as error:
+            problems.append(f"{endpoint}: {error}")
+            continue
+        print(f"acknowledged: the robot is {reply.mode}; go on with: w2c resume")
+        return 0
+    sys.stderr.write("STOP NOT DELIVERED. " + "; ".join(problems) + "\n")
+    return 1
+
+
+class ResumeConfig(Connection, frozen=True, kw_only=True):
+    """Let the robot follow commands again after a stop."""
+
+
+def resume(arguments: list[str] | None = None) -> int:
+    """End a stop."""
+    config = parse(ResumeConfig, arguments or [], program="w2c resume")
+    with _connect(config) as bus:
+        print(f"the robot is {bus.call(topics.ROBOT_RESUME, Empty()).message.mode}")
+    return 0
+
+
+def _connect(config: Connection) -> "_OperatorBus":
+    service = service_config(config)
+    return _OperatorBus(service)
+
+
+class _OperatorBus:
+    """A connection whose errors name what to do."""
+
+    def __init__(self, service: ServiceConfig) -> None:
+        self._bus = connect(service, "operator", [service.router])
+
+    def __enter__(self) -> Bus:
+        return self._bus
+
+    def __exit__(self, *_: object) -> None:
+        self._bus.close()
+
+
+def _follow(events: Queue[GoalEvent], goal_id: str, patience_s: float) -> int:
+    """Print what becomes of a goal until it ends. Returns the exit status."""
+    if not goal_id:
+        return 1
+    deadline = time.monotonic() + patience_s
+    while (remaining := deadline - time.monotonic()) > 0:
+        received = events.receive(remaining)
+        if received is None or received.message.goal_id != goal_id:
+            continue
+        event = received.message
+        distance = f" ({event.distance * 1e3:.0f} mm left)" if event.distance >= 0 else ""
+        print(f"{event.end_effector}: {event.state}{distance} {event.reason}".rstrip())
+        if event.state in FINAL_STATES:
+            return 0 if event.state in GOOD_STATES else 1
+    if patience_s > 0:
+        raise BusError(f"goal {goal_id} did not end within {patience_s:.0f} s; see: w2c status")
+    print(f"goal {goal_id} accepted")
+    return 0
+
+
+def _print_turn(turn: Turn) -> None:
+    print(f"[{turn.module}] {turn.reply}")
+    if turn.target is not None:
+        target = turn.target
+        place_text = ""
+        if target.point is not None:
+            x, y, z = target.point
+            place_text = f", in the world ({x:.3f}, {y:.3f}, {z:.3f}) m"
+        print(f"target {target.target_id} at pixel ({target.u:.0f}, {target.v:.0f}){place_text}")
+        if target.warning:
+            print(f"warning: {target.warning}")
+
+
+def _split_words(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """Split leading words from the flags that follow."""
+    for at, argument in enumerate(arguments):
+        if argument.startswith("-"):
+            return arguments[:at], arguments[at:]
+    return arguments, []
