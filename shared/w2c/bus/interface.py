@@ -100,6 +100,9 @@ class Bus(Protocol):
     def counters(self) -> dict[str, int]:
         """Drops and refusals since the start, by cause: `dropped <key>`, `malformed <key>` ..."""
 
+    def count(self, cause: str) -> None:
+        """Add one to a cause of loss: what a service itself drops or refuses."""
+
     def publish(self, topic: Topic[M], message: M, inputs: Sequence[Input] = ()) -> Input:
         """Send a message. Returns the reference to it, for the `inputs` of later messages."""
 
