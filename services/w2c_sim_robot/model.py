@@ -1,7 +1,7 @@
-"""Talos, the floor, lights and cameras as a MuJoCo model; the scene's objects come from `scenes.build`.
+"""Talos, floor, light and cameras as a MuJoCo model; the scene comes from `scenes.build`.
 
-Who collides with whom: the robot with the world, the world with itself, the robot never with itself (the
-wheel's convex hulls overlap by up to 9 cm in a natural posture).
+Who collides with whom: the robot with the world, the world with itself, the robot never with itself
+(the wheel's convex hulls overlap by up to 9 cm in a natural posture).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ WORLD_CONTYPE, WORLD_CONAFFINITY = 2, 3
 """Collision bits: give the second pair to everything in a scene."""
 
 WORLD_GROUP, ROBOT_GROUP, HEAD_SHELL_GROUP, COLLISION_GROUP = 0, 1, 2, 3
-"""Geom groups. The head's shell hides a third of the head camera's picture: do not draw its group there.
+"""Geom groups. The head's shell hides a third of the head camera's picture: do not draw it there.
 Collision shapes are in a group that MuJoCo does not draw by default."""
 
 HEAD_CAMERA = "head"
@@ -39,7 +39,7 @@ CAMERA_FOVY_DEG = 42.0
 _VIEWS = {
     "side": ((0.9, -2.7, 1.5), (0.3, 0.0, 0.85)),
     "front": ((2.9, 0.5, 1.6), (0.2, 0.0, 0.85)),
-    "over_shoulder": ((-1.1, 1.0, 2.0), (0.55, -0.1, 0.8)),
+    "over_shoulder": ((-1.5, 1.2, 2.2), (0.45, -0.05, 0.85)),
 }
 
 _DAMPING_SHARE = 0.02  # kv / kp: gives the sway of the standing robot a damping ratio of about 0.1
@@ -65,7 +65,7 @@ class Perturbation:
 
 
 def build_spec(scene: Scene | None = None) -> mujoco.MjSpec:
-    """Return the model to be compiled: robot, floor, lights, cameras, sensors, and the scene's objects.
+    """Return the model to be compiled: robot, floor, light, cameras, sensors, and the scene.
 
     Angles that are added to it are in radians: it comes from a URDF.
 
@@ -104,7 +104,7 @@ def robot_bodies(model: mujoco.MjModel) -> Array:
 
 
 def ready_configuration(model: mujoco.MjModel) -> Array:
-    """Return the generalized position (nq,) of the robot standing ready, objects where the scene put them.
+    """Return the generalized position (nq,) of the robot standing ready, objects where they start.
 
     The soles are on the floor, and the world's origin is midway between them.
     """
@@ -205,7 +205,7 @@ def _look_at(eye: Array, target: Array) -> Array:
 
 
 def _add_cameras(spec: mujoco.MjSpec) -> None:
-    # The optical frame looks along z with y down; MuJoCo's cameras along -z with y up: half a turn about x.
+    # The optical frame looks along z with y down, a MuJoCo camera along -z with y up.
     spec.body(talos.CAMERA_FRAME).add_camera(
         name=HEAD_CAMERA,
         quat=(0.0, 1.0, 0.0, 0.0),

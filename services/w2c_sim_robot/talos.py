@@ -1,4 +1,4 @@
-"""What is known of Talos beside its geometry: joints, stiffnesses, efforts, and how it stands at the start."""
+"""What is known of Talos beside its geometry: joints, stiffness, efforts, and how it stands."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ RIGHT_ARM = tuple(f"arm_right_{i}_joint" for i in range(1, 5))
 HEAD = ("head_1_joint", "head_2_joint")
 
 ACTUATED = LEFT_LEG + RIGHT_LEG + TORSO + LEFT_ARM + RIGHT_ARM + HEAD
-"""The 27 joints in the order of every joint vector on the bus; the whole-body controller owns the first 25."""
+"""The 27 joints in the order of every joint vector on the bus; the head is not in the QP."""
 
 SOLE_FRAMES = ("left_sole_link", "right_sole_link")
 HAND_FRAMES = ("left_hand_frame", "right_hand_frame")
@@ -56,19 +56,20 @@ EFFORT: dict[str, float] = {
     "head_1_joint": 8.0,
     "head_2_joint": 4.0,
 }
-"""Limits [Nm] of the Talos whose arms may lean. The wheel's arms (elbow 17.9 Nm) carry 105 N at most, these 245 N."""
+"""Limits [Nm] of a Talos whose arms may lean: they carry 245 N, those of the wheel 105 N."""
 
-_LEG_STANDING = (0.0, 0.0, -0.411354, 0.859395, -0.448041, 0.0)
+# Knees bent, and the centre of mass above the middle of the soles (6 mm behind it).
+_LEG_STANDING = (0.0, 0.0, -0.46, 0.86, -0.40, 0.0)
 
 READY: dict[str, float] = {
     **dict(zip(LEFT_LEG, _LEG_STANDING, strict=True)),
     **dict(zip(RIGHT_LEG, _LEG_STANDING, strict=True)),
     "torso_1_joint": 0.0,
     "torso_2_joint": 0.05,
-    # Elbows bent and hands at the sides, above table height: out of the camera's view of the table, and a
-    # hand that sets out does not have to come from under it.
-    **dict(zip(LEFT_ARM, (-0.2, 0.35, 0.1, -1.5, 0.0, 0.0, 0.0), strict=True)),
-    **dict(zip(RIGHT_ARM, (0.2, -0.35, -0.1, -1.5), strict=True)),
+    # Elbows out and bent, hands beside the body and above table height: out of the camera's view,
+    # and a hand that sets out does not have to come from under the table.
+    **dict(zip(LEFT_ARM, (0.25, 0.64, -0.45, -1.65, 0.0, 0.0, 0.0), strict=True)),
+    **dict(zip(RIGHT_ARM, (-0.25, -0.64, 0.5, -1.6), strict=True)),
     # With the torso, the camera looks 42 degrees down: on a table from half a metre on.
     "head_1_joint": 0.70,
     "head_2_joint": 0.0,

@@ -1,7 +1,8 @@
-"""From the URDF of Talos in the example-robot-data wheel to the robot that is controlled and simulated.
+"""From the URDF in the example-robot-data wheel to the robot that is controlled and simulated.
 
-One string feeds both Pinocchio and MuJoCo, so that their masses and frames cannot differ. It is made at run
-time and stays in memory: the licence statements of the wheel's files contradict each other.
+One string feeds both Pinocchio and MuJoCo, so that their masses and frames cannot differ. It is
+made at run time and stays in memory: the licence statements of the wheel's files contradict each
+other.
 """
 
 import re
@@ -92,7 +93,7 @@ def joint_limits(urdf: str) -> dict[str, tuple[float, float]]:
 
 
 def _drop_simulator_tags(root: Element) -> None:
-    """Keep links, joints and materials; friction and damping too would add to the joint's stiffness."""
+    """Keep links, joints and materials. Friction and damping would hide the joint's stiffness."""
     for child in list(root):
         if child.tag not in ("link", "joint", "material"):
             root.remove(child)
@@ -106,7 +107,7 @@ def _find(root: Element, tag: str, name: str) -> Element:
         if element.get("name") == name:
             return element
     raise ConfigError(
-        f"the Talos of the installed example-robot-data has no {tag} '{name}'; version 6 is expected"
+        f"the Talos of the installed example-robot-data has no {tag} '{name}'; install version 6"
     )
 
 
@@ -151,15 +152,15 @@ def _add_frame(root: Element, name: str, parent: str, offset: tuple[float, ...])
 
 
 def _add_shape(
-    link: Element, kind: str, shape: str, centre: tuple[float, ...], **size: str
+    link: Element, kind: str, shape: str, centre: tuple[float, ...], size: dict[str, str]
 ) -> None:
     element = ElementTree.SubElement(link, kind)
     ElementTree.SubElement(element, "origin", xyz=_text(centre), rpy="0 0 0")
-    ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), shape, **size)
+    ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), shape, size)
 
 
 def _add_ball(root: Element) -> None:
-    """End the right forearm in a massive ball on a rod; the frame of the hand is the ball's centre."""
+    """End the right forearm in a ball on a rod; the frame of the hand is the ball's centre."""
     link = _add_frame(root, "right_hand_frame", "arm_right_5_link", talos.BALL_OFFSET)
     inertial = ElementTree.SubElement(link, "inertial")
     ElementTree.SubElement(inertial, "origin", xyz="0 0 0", rpy="0 0 0")
@@ -169,16 +170,15 @@ def _add_ball(root: Element) -> None:
         inertial, "inertia", ixx=moment, iyy=moment, izz=moment, ixy="0", ixz="0", iyz="0"
     )
     radius = repr(talos.BALL_RADIUS)
-    _add_shape(link, "visual", "sphere", (0.0, 0.0, 0.0), radius=radius)
+    _add_shape(link, "visual", "sphere", (0.0, 0.0, 0.0), {"radius": radius})
     length = -talos.BALL_OFFSET[2]
-    _add_shape(
-        link, "visual", "cylinder", (0.0, 0.0, length / 2), radius="0.022", length=repr(length)
-    )
-    _add_shape(link, "collision", "sphere", (0.0, 0.0, 0.0), radius=radius)
+    rod = {"radius": "0.022", "length": repr(length)}
+    _add_shape(link, "visual", "cylinder", (0.0, 0.0, length / 2), rod)
+    _add_shape(link, "collision", "sphere", (0.0, 0.0, 0.0), {"radius": radius})
 
 
 def _use_box_feet(root: Element) -> None:
-    """Let the soles touch with a box on the sole link, so that a sensor there feels the floor and no foot."""
+    """Give the sole links the boxes that touch: a sensor there feels the floor, not the foot."""
     length, width = talos.SOLE_HALF_SIZE
     size = _text((2 * length, 2 * width, _FOOT_HEIGHT))
     for side in ("left", "right"):
@@ -186,7 +186,7 @@ def _use_box_feet(root: Element) -> None:
         for collision in foot.findall("collision"):
             foot.remove(collision)
         sole = _find(root, "link", f"{side}_sole_link")
-        _add_shape(sole, "collision", "box", (0.0, 0.0, _FOOT_HEIGHT / 2), size=size)
+        _add_shape(sole, "collision", "box", (0.0, 0.0, _FOOT_HEIGHT / 2), {"size": size})
 
 
 def _set_efforts(root: Element) -> None:

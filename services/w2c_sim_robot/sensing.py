@@ -1,0 +1,123 @@
+"""What the simulated robot's sensors read, and who touches what, from MuJoCo's state."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from w2c.errors import ConfigError
+from w2c.messages import Array
+from w2c_sim_robot import talos
+
+_WORLD, _BODY = -1, -2  # beside the indices of the four end effectors
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of what is added to each reading; zero = ideal sensors."""
+
+    position: float = 0.0
+    """[rad]"""
+    velocity: float = 0.0
+    """[rad/s]"""
+    torque: float = 0.0
+    """[Nm]"""
+    force: float = 0.0
+    """[N]"""
+    moment: float = 0.0
+    """Of the force-torque sensors [Nm]"""
+    angular_velocity: float = 0.0
+    """[rad/s]"""
+    acceleration: float = 0.0
+    """[m/s^2]"""
+
+    @staticmethod
+    def typical(scale: float) -> "Noise":
+        """Return the noise of ordinary sensors times `scale`. Raises ConfigError below zero."""
+        if not 0.0 <= scale <= 100.0:
+            raise ConfigError(f"noise scale {scale:g} is outside 0 to 100; 1 is ordinary sensors")
+        return Noise(
+            position=2e-5 * scale,
+            velocity=5e-3 * scale,
+            torque=0.5 * scale,
+            force=1.0 * scale,
+            moment=0.05 * scale,
+            angular_velocity=2e-3 * scale,
+            acceleration=2e-2 * scale,
+        )
+
+
+class ForceTorqueSensor:
+    """Between a link and its parent: what the environment exerts on all that hangs on the link."""
+
+    def __init__(self, model: mujoco.MjModel, name: str, link: str, frame: str) -> None:
+        self._force = sensor_slice(model, f"{name}_force")
+        self._torque = sensor_slice(model, f"{name}_torque")
+        self._link = model.body(link).id
+        self._frame = model.body(frame).id
+        self._site = model.site(name).id
+        self._weight = model.body_subtreemass[self._link] * model.opt.gravity  # in the world [N]
+
+    def read(self, data: mujoco.MjData) -> Array:
+        """Return the wrench (6,), force then torque, in and at the frame [N, Nm].
+
+        MuJoCo gives what the parent exerts on the link, in and at the site. The environment's is the
+        rest of the balance, exact at rest: -(parent's) - (weight of link and children).
+        """
+        world_from_site = data.site_xmat[self._site].reshape(3, 3)
+        world_from_frame = data.xmat[self._frame].reshape(3, 3)
+        site = data.site_xpos[self._site]
+        weight_arm = data.subtree_com[self._link] - site
+        force = -world_from_site @ data.sensordata[self._force] - self._weight
+        torque_at_site = -world_from_site @ data.sensordata[self._torque] - np.cross(
+            weight_arm, self._weight
+        )
+        torque = torque_at_site + np.cross(site - data.xpos[self._frame], force)
+        return np.concatenate([world_from_frame.T @ force, world_from_frame.T @ torque])
+
+
+class Touch:
+    """What of the robot touches the world. Effectors: feet, then hands, left before right."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        links = (*talos.SOLE_FRAMES, talos.WRIST_SENSOR_LINK, talos.HAND_FRAMES[1])
+        robot = model.body_rootid == model.body(talos.BASE_LINK).id
+        effector_of_body = np.where(robot, _BODY, _WORLD)
+        for effector, link in enumerate(links):
+            effector_of_body[_subtree(model, model.body(link).id)] = effector
+        self._effector_of_geom = effector_of_body[model.geom_bodyid]
+        self._model = model
+
+    def by_body(self, data: mujoco.MjData) -> bool:
+        """Tell whether any part of the robot other than feet and hands touches something."""
+        return bool((self._effector_of_geom[data.contact.geom] == _BODY).any())
+
+    def forces(self, data: mujoco.MjData) -> Array:
+        """Return what the environment exerts on the end effectors, (4, 3) in the world [N]."""
+        total = np.zeros((4, 3))
+        wrench = np.zeros(6)
+        for index, pair in enumerate(self._effector_of_geom[data.contact.geom]):
+            if pair.max() < 0:
+                continue
+            mujoco.mj_contactForce(self._model, data, index, wrench)
+            on_second = data.contact.frame[index].reshape(3, 3).T @ wrench[:3]
+            for effector, sign in zip(pair, (-1.0, 1.0), strict=True):
+                if effector >= 0:
+                    total[effector] += sign * on_second
+        return total
+
+
+def sensor_slice(model: mujoco.MjModel, name: str) -> slice:
+    """Return where a sensor's values are in `MjData.sensordata`."""
+    sensor = model.sensor(name)
+    start = int(sensor.adr[0])
+    return slice(start, start + int(sensor.dim[0]))
+
+
+def _subtree(model: mujoco.MjModel, body: int) -> list[int]:
+    """Return a body and all that hang on it; parents come before children in MuJoCo."""
+    members = {body}
+    for candidate in range(body + 1, model.nbody):
+        if model.body_parentid[candidate] in members:
+            members.add(candidate)
+    return sorted(members)
