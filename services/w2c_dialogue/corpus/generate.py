@@ -1,0 +1,142 @@
+"""Lines of the corpus: a question exactly as it is asked at run time, and the answer that is right."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from w2c.messages import Box
+from w2c_dialogue.corpus import corrections, instructions
+from w2c_dialogue.corpus.confirmations import confirmation
+from w2c_dialogue.corpus.draft import Draft
+from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.noise import disturb
+from w2c_dialogue.prompts.base import CorrectionScene, Move, Question, SceneObject
+from w2c_dialogue.prompts.embedded import EmbeddedPrompts
+from w2c_dialogue.utterance import Span, Utterance
+
+PROMPTS = EmbeddedPrompts()
+SHARES = (("select", 0.2), ("analyze", 0.22), ("objects", 0.1), ("relative", 0.15), ("correct", 0.22), ("effector", 0.11))
+WIDTH, HEIGHT = 1280.0, 720.0
+
+
+class Example(msgspec.Struct, frozen=True):
+    """One line: what the model is asked, and what it shall answer, byte for byte."""
+
+    task: str
+    messages: list[dict[str, str]]
+    answer: str
+
+
+def examples(generator: np.random.Generator, count: int, *, held_out: bool) -> Iterator[Example]:
+    """Yield lines. Held-out lines use entries of the word lists that training lines never use."""
+    draw = Draw(generator, held_out=held_out)
+    for _ in range(count):
+        roll = draw.uniform()
+        task = SHARES[-1][0]
+        for name, share in SHARES:
+            if roll < share:
+                task = name
+                break
+            roll -= share
+        yield _MAKERS[task](draw)
+
+
+def answer_text(value: dict[str, Any]) -> str:
+    """Return the JSON a model shall write: no spaces, properties in the order of the schema."""
+    return msgspec.json.encode(value).decode()
+
+
+def _example(question: Question, answer: str) -> Example:
+    messages = [{"role": m.role, "content": m.content} for m in question.messages]
+    return Example(task=question.task, messages=messages, answer=answer)
+
+
+def _cut(draft: Draft, draw: Draw) -> tuple[Utterance, list[Span]]:
+    return disturb(draft, draw).finish()
+
+
+def _instruction(draw: Draw, relative: float = 0.5) -> instructions.Instruction:
+    return instructions.instruction(draw, "relative" if draw.chance(relative) else "absolute")
+
+
+def _select(draw: Draw) -> Example:
+    kind = draw.below(3)
+    if kind == 0:
+        draft = instructions.vague(draw) if draw.chance(0.04) else _instruction(draw, 0.4).draft
+        module = "prediction"
+    elif kind == 1:
+        draft, module = corrections.correction(draw).draft, "correction"
+    else:
+        draft, module = confirmation(draw), "confirmation"
+    return _example(PROMPTS.select(_cut(draft, draw)[0]), module)
+
+
+def _analyze(draw: Draw) -> Example:
+    if draw.chance(0.03):
+        utterance, _ = _cut(instructions.vague(draw), draw)
+        return _example(PROMPTS.analyze(utterance), answer_text({"position": "absolute", "objects": []}))
+    made = _instruction(draw)
+    utterance, spans = _cut(made.draft, draw)
+    answer = {"position": made.position, "objects": [str(span) for span in spans]}
+    return _example(PROMPTS.analyze(utterance), answer_text(answer))
+
+
+def _objects(draw: Draw) -> Example:
+    utterance, spans = _cut(corrections.correction(draw).draft, draw)
+    return _example(PROMPTS.objects(utterance), answer_text({"objects": [str(span) for span in spans]}))
+
+
+def _relative(draw: Draw) -> Example:
+    made = _instruction(draw, 1.0)
+    utterance, spans = _cut(made.draft, draw)
+    objects = _scene_objects(draw, made.scene, len(spans))
+    question = PROMPTS.relative(utterance, spans, objects, 10.0)
+    return _example(question, answer_text({"x": made.x, "y": made.y}))
+
+
+def _correct(draw: Draw) -> Example:
+    made = corrections.correction(draw)
+    utterance, spans = _cut(made.draft, draw)
+    moves = tuple(_move(draw) for _ in range(made.needs_past + draw.below(4)))
+    scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), moves, (), (), 10.0)
+    return _example(PROMPTS.correct(utterance, spans, scene), answer_text({"x": made.x, "y": made.y}))
+
+
+def _effector(draw: Draw) -> Example:
+    made = _instruction(draw, 0.4)
+    question = PROMPTS.effector(_cut(made.draft, draw)[0])
+    return _example(question, answer_text({"effector": made.effector, "task": made.task}))
+
+
+def _move(draw: Draw) -> Move:
+    """Return a past correction; most are along an axis."""
+    du, dv = draw.between(-100, 100), draw.between(-100, 100)
+    kind = draw.below(3)
+    return Move(du if kind != 1 else 0.0, dv if kind != 0 else 0.0)
+
+
+def _box(draw: Draw, u: float, v: float) -> Box:
+    width, height = draw.between(30, 150), draw.between(30, 150)
+    return Box(left=u - width / 2, top=v - height / 2, right=u + width / 2, bottom=v + height / 2, score=0.9)
+
+
+def _scene_objects(draw: Draw, scene: str, count: int) -> list[SceneObject]:
+    """Return boxes of which the facts in `scene` are true."""
+    u, v = draw.between(100, WIDTH - 100), draw.between(100, HEIGHT - 100)
+    if scene in ("A left", "A middle", "A right"):
+        u = WIDTH * ({"A left": 0, "A middle": 1, "A right": 2}[scene] + draw.between(0.02, 0.98)) / 3.0
+    centres = [(u, v)]
+    relations = {"left": (1, 0), "right": (-1, 0), "above": (0, 1), "below": (0, -1)}
+    word = scene.split()[1] if scene.endswith("B") else draw.pick(tuple(relations))
+    du, dv = relations[word]
+    far, aside = draw.between(200, 400), draw.between(-30, 30)
+    centres.append((u + du * far + dv * aside, v + dv * far + du * aside))
+    centres.append((draw.between(100, WIDTH - 100), draw.between(100, HEIGHT - 100)))
+    return [SceneObject("", _box(draw, *centre)) for centre in centres[:count]]
+
+
+_MAKERS = {
+    "select": _select, "analyze": _analyze, "objects": _objects, "relative": _relative, "correct": _correct, "effector": _effector,
+}  # fmt: skip

@@ -1,0 +1,171 @@
+"""First instructions: which hand or foot goes where, to lean or to reach."""
+
+from dataclasses import dataclass
+
+from w2c_dialogue.corpus import locations
+from w2c_dialogue.corpus.draft import Draft
+from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.locations import Location
+from w2c_dialogue.corpus.phrases import article, phrase, place
+from w2c_dialogue.corpus.things import names
+
+PUT = names("""
+put, place, rest, set, lay, position, press, push, plant, support, brace, keep, hold, stick, drop, lean, move, bring, get, make contact with, prop, park, settle,
+lower, apply, establish contact with, anchor, steady, leave, fix, balance, place down, put down, set down, stabilize, land, make a support contact with, create a contact with
+""")
+LEAN = names("""
+lean, lean forward, support yourself, brace yourself, prop yourself, steady yourself, stand, step, push, press, rest, put your weight, bear weight, hold yourself,
+stabilize yourself, balance yourself, take support, find support, lean down, make contact, establish contact, get some support, rest your weight, lean your body, create a contact,
+make a contact, push down, press down, lean over, hold on, keep your balance, hold yourself up, put some weight, shift your weight, transfer your weight, bend forward and lean
+""")
+REACH_OBJECT = names("""
+reach for, grab, take, get, fetch, touch, pick up, go for, grasp, reach out to, pick, catch, tap, poke, reach, reach towards, reach toward, reach out for, reach over to, seize, get hold of,
+go and get, try to reach, try to grab, point at, get me, bring me, hand me, give me, collect, retrieve, stretch to, stretch out for, extend to, go get, lift, lift up, snatch, feel, reach to, aim for, go to
+""")
+REACH_PLACE = names("reach, reach out, go, stretch, point, touch, reach over, extend, reach forward")
+ANY_HAND = names("""
+your hand, a hand, the hand, one hand, hand, one of your hands, a palm, your palm, an arm, your arm, it, either hand, any hand, some hand, your fist
+""")
+HANDS = ("hand", "hand", "hand", "hand", "hand", "palm", "arm", "fist", "wrist", "fingers", "gripper", "limb")
+FEET = ("foot", "foot", "foot", "sole", "leg", "shoe", "heel", "boot", "toes")
+WITH = ("with", "with", "using", "with", "by using", "use", "via")
+LEADS = names("""
+please, can you, could you, could you please, can you please, I want you to, I need you to, I would like you to, I'd like you to, let's, you should, go ahead and, robot, talos, hey robot, ok now, now, next, then, ok, and now, try to, would you,
+I want to see you, you can, you need to, it would be great if you, alright, great, first, hey, hi, you have to, I'd want you to, make sure to, be careful and, now please, so now, next please, your task is to, I'm asking you to, carefully, gently, slowly, quickly, just
+""")
+TAILS = names("""
+please, now, carefully, thanks, thank you, for support, to support yourself, for balance, gently, if you can, to keep your balance, slowly, ok, first, so you don't fall, robot, if possible, right now, firmly, with some force, for stability, again, instead, this time, as a support
+""")
+AGAIN = (
+    "no,", "instead,", "actually,", "no, actually,", "wait,", "forget that,", "let's do something else,",
+    "no, not there,", "wrong object,", "I changed my mind,", "sorry, I meant", "not that one,", "no no,",
+    "scratch that,", "new target:", "I meant", "rather,", "on second thought,", "never mind,",
+    "that's the wrong thing,", "no, I said", "no, use something else,", "wrong one,", "no wait,",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """A first instruction with everything that is to be understood from it."""
+
+    draft: Draft
+    position: str
+    x: str
+    y: str
+    scene: str
+    effector: str
+    task: str
+
+
+def _limb(draw: Draw) -> tuple[str, str]:
+    """Return the words for an end effector and its name."""
+    roll = draw.uniform()
+    if roll < 0.12:
+        return draw.pick(ANY_HAND), "unspecified"
+    side = draw.pick(("left", "right"))
+    if roll < 0.82:
+        part, name = draw.pick(HANDS), "hand"
+    elif roll < 0.86:
+        return draw.pick((f"your {side}", f"the {side} one", f"{side}")), f"{side}_hand"
+    else:
+        part, name = draw.pick(FEET), "foot"
+    owner = draw.pick(("your", "your", "your", "the", "", "its", "ur"))
+    if draw.chance(0.03):
+        return f"the {part} on the {side}", f"{side}_{name}"
+    return f"{owner} {side} {part}".strip(), f"{side}_{name}"
+
+
+def _phrases(draw: Draw, location: Location, *, surface: bool) -> dict[str, str]:
+    return {letter: phrase(draw, surface=surface) for letter in "ABC" if f"{{{letter}}}" in location.text}
+
+
+def _with_articles(draw: Draw, text: str) -> str:
+    """Put an article in front of each object."""
+    for letter in "ABC":
+        text = text.replace(f"{{{letter}}}", f"{article(draw)} {{{letter}}}".strip())
+    if text.endswith("}"):
+        text = f"{text} {place(draw)}".strip()
+    return text
+
+
+def _contact(draw: Draw, location: str) -> tuple[str, str]:
+    """Return a template of an instruction to lean, and the end effector."""
+    words, name = _limb(draw)
+    tool = f"{draw.pick(WITH)} {words}"
+    comma = "," if draw.chance(0.3) else ""
+    frame = draw.below(12)
+    if frame < 5:
+        return f"{draw.pick(PUT)} {words} {location}", name
+    if frame < 6:
+        return f"{draw.pick(LEAN)} {location}{comma} {tool}", name
+    if frame == 6:
+        return f"{tool}, {draw.pick(LEAN)} {location}", name
+    if frame == 7:
+        return f"use {words} to {draw.pick(LEAN)} {location}", name
+    if frame == 8:
+        return f"{words} {draw.pick(('', '', 'goes', 'should be', 'should go', 'must be', 'down'))} {location}", name
+    if frame == 9:
+        noun = draw.pick(("contact", "support contact", "support", "a contact", "support point", "contact point"))
+        return f"{noun} {location} {tool}", name
+    if frame == 10:
+        return f"{draw.pick(LEAN)} {location}", "unspecified"
+    return f"{location} {draw.pick(PUT)} {words}", name
+
+
+def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
+    """Return a template of an instruction to reach, and the end effector."""
+    words, name = _limb(draw)
+    tool = f"{draw.pick(WITH)} {words}"
+    comma = "," if draw.chance(0.3) else ""
+    verb = draw.pick(REACH_OBJECT)
+    thing = location
+    if not absolute:
+        verb = draw.pick((draw.pick(REACH_PLACE), "touch the spot", "reach for the point", "reach the place", "touch the table", "reach the spot", "reach for the area"))
+    frame = draw.below(6)
+    if frame < 2:
+        return f"{verb} {thing}{comma} {tool}", name
+    if frame < 4:
+        return f"{tool}{draw.pick((',', ',', ''))} {verb} {thing}", name
+    if frame == 4:
+        return f"use {words} to {verb} {thing}", name
+    return f"{verb} {thing}", "unspecified"
+
+
+def instruction(draw: Draw, kind: str) -> Instruction:
+    """Return an instruction whose position is of this kind: absolute or relative."""
+    location = locations.absolute(draw) if kind == "absolute" else locations.relative(draw)
+    reach = draw.chance(0.32)
+    text = location.text
+    if reach and kind == "absolute":
+        text = "{A}"
+    text = _with_articles(draw, text)
+    if reach:
+        template, effector = _reach(draw, text, absolute=kind == "absolute")
+    else:
+        template, effector = _contact(draw, text)
+    draft = Draft()
+    lead = draw.uniform()
+    if lead < 0.25:
+        draft.add(draw.pick(LEADS))
+        if draw.chance(0.2):
+            draft.words[-1] += ","
+    elif lead < 0.31:
+        draft.add(draw.pick(AGAIN))
+    draft.fill(template, _phrases(draw, location, surface=not reach))
+    if draw.chance(0.15):
+        draft.add(draw.pick(TAILS))
+    return Instruction(draft, kind, location.x, location.y, location.scene, effector, "reach" if reach else "contact")
+
+
+VAGUE = names("""
+lean over there, put your right hand somewhere, reach forward, lean forward with your left hand, place your left hand over here, put it down, use your right hand, reach out with the left hand, grab it, take it with the left hand,
+with your right hand please, lean, lean on something, put your hand on it, touch it, get that, place a contact, find a support, support yourself with your right hand, move your left hand, give me your hand, hello, hi robot, how are you, what do you see,
+what is this, help me, raise your hand, can you lean, left hand, right hand please, do something, who are you, where is it, place your hand on that, reach for this, lean against that with your left, dance, sing a song, tell me a joke, walk to the door then,
+""")
+
+
+def vague(draw: Draw) -> Draft:
+    """Return an instruction that names no object: the answer is a question to the operator."""
+    draft = Draft()
+    draft.add(draw.pick(VAGUE))
+    return draft

@@ -1,0 +1,92 @@
+"""Noun phrases: the ways people name a thing, from "it's the cup" to "the thing with the wooden handle"."""
+
+from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.things import (
+    COLOURS,
+    MATERIALS,
+    PARTS,
+    PLACES,
+    PURPOSES,
+    SIZES,
+    STATES,
+    SURFACES,
+    SYLLABLES,
+    THING_WORDS,
+    THINGS,
+)
+
+ARTICLES = ("the", "the", "the", "the", "the", "the", "a", "that", "this", "your", "my", "the", "")
+NESTED = ("of", "of the", "on the", "of that")
+
+
+def invented(draw: Draw) -> str:
+    """Return a word nobody has heard."""
+    return "".join(draw.pick(SYLLABLES) for _ in range(2 + draw.below(3)))
+
+
+def noun(draw: Draw, *, surface: bool) -> str:
+    """Return the name of a thing; mostly of something to lean on where `surface`."""
+    if draw.chance(0.06):
+        name = invented(draw)
+        if draw.chance(0.25):
+            name = f"{name} {draw.pick(('it', 'and', 'o', 'n', 'x', invented(draw)))} {invented(draw)}"
+        return f"{name} {draw.pick(THINGS)}" if draw.chance(0.6) else name
+    pool = SURFACES if draw.chance(0.7 if surface else 0.15) else THINGS
+    name = draw.pick(pool)
+    if draw.chance(0.05):
+        name = f"{draw.pick(THINGS)} {name}"
+    return name
+
+
+def _adjectives(draw: Draw) -> list[str]:
+    words = []
+    if draw.chance(0.18):
+        words.append(draw.pick(SIZES))
+    if draw.chance(0.08):
+        words.append(draw.pick(STATES))
+    if draw.chance(0.3):
+        words.append(draw.pick(COLOURS))
+    if draw.chance(0.15):
+        words.append(draw.pick(MATERIALS))
+    if draw.chance(0.02):
+        words.append(draw.pick(("left", "right", "upper", "lower", "left-hand", "right-hand")))
+    return words
+
+
+def _attribute(draw: Draw) -> str:
+    """Return what tells the thing from others and belongs to its name."""
+    kind = draw.below(5)
+    if kind == 0:
+        return draw.pick(PURPOSES)
+    article = draw.pick(("the", "a", ""))
+    part = draw.pick(PARTS)
+    quality = draw.pick(draw.pick((COLOURS, MATERIALS, SIZES)))
+    link = draw.pick(("with", "with", "with", "that has", "which has", "having"))
+    return f"{link} {article} {quality} {part}" if kind < 4 else f"{link} {article} {part}"
+
+
+def phrase(draw: Draw, *, surface: bool = False) -> str:
+    """Return a noun phrase without article."""
+    roll = draw.uniform()
+    if roll < 0.05:
+        head = draw.pick(THING_WORDS)
+        quality = draw.pick(draw.pick((COLOURS, MATERIALS, SIZES, STATES)))
+        return f"{quality} {head}"
+    if roll < 0.1:
+        return " ".join(f"{draw.pick(THING_WORDS)} {_attribute(draw)}".split())
+    if roll < 0.14:
+        return f"{draw.pick(PARTS)} of the {noun(draw, surface=surface)}"
+    words = [*_adjectives(draw), noun(draw, surface=surface)]
+    if draw.chance(0.06):
+        words.append(_attribute(draw))
+    return " ".join(" ".join(words).split())
+
+
+def article(draw: Draw) -> str:
+    """Return an article, or nothing: people leave it out."""
+    return draw.pick(ARTICLES)
+
+
+def place(draw: Draw) -> str:
+    """Return where the thing stands, now and then."""
+    return draw.pick(PLACES) if draw.chance(0.07) else ""

@@ -1,0 +1,146 @@
+"""The prompt set of the embedded model: a tag and the utterance, nothing else.
+
+The model is trained on exactly these texts (`w2c_dialogue.corpus`), so they need no explanation and no
+examples. It points at words by number, speaks of objects as A, B, C and of quantities by symbol: numbers are
+copied, never computed. See `w2c_dialogue.expressions` for the symbols.
+"""
+
+from collections.abc import Sequence
+
+from w2c.errors import RefusedError
+from w2c.messages import Box, ChatMessage
+from w2c_dialogue.prompts.base import (
+    EFFECTORS,
+    MODULES,
+    POSITIONS,
+    TASKS,
+    CorrectionScene,
+    Move,
+    Question,
+    SceneObject,
+    TaskName,
+    schema_of,
+)
+from w2c_dialogue.utterance import LETTERS, Span, Utterance
+
+IMAGE_WIDTH = 1280.0
+MAX_SPAN_WORDS = 10
+MAX_EXPRESSION = 60
+REMEMBERED_MOVES = 3
+EXPRESSION_PATTERN = rf"^[a-z0-9.+*/()\[\]-]{{1,{MAX_EXPRESSION}}}$"
+"""Grammar of the characters only; `expressions.evaluate` is the judge of the rest."""
+
+
+class EmbeddedPrompts:
+    """Questions for the model that is shipped with this repository."""
+
+    name = "embedded"
+
+    def select(self, utterance: Utterance) -> Question:
+        """Ask which module an utterance is for."""
+        return Question("select", _messages("select", utterance.folded_text), 1, options=MODULES)
+
+    def analyze(self, utterance: Utterance) -> Question:
+        """Ask for the kind of position and the words of the objects."""
+        properties = {
+            "position": {"type": "string", "enum": list(POSITIONS)},
+            "objects": _spans_schema(utterance),
+        }
+        return Question("analyze", _messages("analyze", utterance.numbered()), 1, schema_of(properties))
+
+    def objects(self, utterance: Utterance) -> Question:
+        """Ask for the words of the objects in a correction."""
+        properties = {"objects": _spans_schema(utterance)}
+        return Question("objects", _messages("objects", utterance.numbered()), 1, schema_of(properties))
+
+    def read_span(self, value: str, utterance: Utterance) -> Span:
+        """Return the span that `5-6` names."""
+        first, dash, last = value.partition("-")
+        if not (dash and first.isascii() and first.isdigit() and last.isascii() and last.isdigit()):
+            raise RefusedError(f"the language model named an object by '{value[:40]}', not by its words")
+        span = Span(int(first[:6]), int(last[:6]))
+        utterance.phrase(span)
+        return span
+
+    def relative(
+        self, utterance: Utterance, spans: Sequence[Span], objects: Sequence[SceneObject], pixels_per_cm: float
+    ) -> Question:
+        """Ask for a point relative to the objects. Distances are symbols, so the scale is not shown."""
+        del pixels_per_cm
+        content = f"{describe_boxes([o.box for o in objects])}\n{utterance.with_letters(spans)}"
+        return Question("relative", _messages("relative", content), 1, _point_schema())
+
+    def correct(self, utterance: Utterance, spans: Sequence[Span], scene: CorrectionScene) -> Question:
+        """Ask for the corrected target."""
+        content = f"{describe_moves(scene.moves)}\n{utterance.with_letters(spans)}"
+        return Question("correct", _messages("correct", content), 1, _point_schema())
+
+    def effector(self, utterance: Utterance) -> Question:
+        """Ask for end effector and task."""
+        properties = {
+            "effector": {"type": "string", "enum": list(EFFECTORS)},
+            "task": {"type": "string", "enum": list(TASKS)},
+        }
+        return Question("effector", _messages("effector", utterance.folded_text), 1, schema_of(properties))
+
+
+def describe_boxes(boxes: Sequence[Box]) -> str:
+    """Return what the model must know of the boxes: where there is room, and the order of the first two.
+
+    One object is `A left`, `A middle` or `A right` in the picture; two are `A left of B`, `A right of B`,
+    `A above B` or `A below B`, along the axis with the wider gap.
+    """
+    if not boxes:
+        return "nothing"
+    if len(boxes) == 1:
+        u = 0.5 * (boxes[0].left + boxes[0].right)
+        third = IMAGE_WIDTH / 3.0
+        return "A left" if u < third else "A right" if u > 2.0 * third else "A middle"
+    a, b = boxes[:2]
+    gaps = {
+        "left of": b.left - a.right,
+        "right of": a.left - b.right,
+        "above": b.top - a.bottom,
+        "below": a.top - b.bottom,
+    }
+    return f"A {max(gaps, key=lambda relation: gaps[relation])} B"
+
+
+def describe_moves(moves: Sequence[Move]) -> str:
+    """Return the directions of the latest corrections, oldest first: `past left, right up`."""
+    if not moves:
+        return "past none"
+    return "past " + ", ".join(_direction(move) for move in moves[-REMEMBERED_MOVES:])
+
+
+def _direction(move: Move) -> str:
+    """Return the words of the parts of a move that matter, `still` for none."""
+    longest = max(abs(move.du), abs(move.dv))
+    if longest < 0.5:
+        return "still"
+    words = []
+    if abs(move.du) > 0.3 * longest:
+        words.append("right" if move.du > 0 else "left")
+    if abs(move.dv) > 0.3 * longest:
+        words.append("down" if move.dv > 0 else "up")
+    return " ".join(words)
+
+
+def _messages(tag: TaskName, content: str) -> tuple[ChatMessage, ...]:
+    return (ChatMessage(role="system", content=tag), ChatMessage(role="user", content=content))
+
+
+def _spans_schema(utterance: Utterance) -> dict[str, object]:
+    """Allow exactly the ranges of words that the utterance has."""
+    count = len(utterance.typed)
+    ranges = [
+        f"{first}-{last}"
+        for first in range(1, count + 1)
+        for last in range(first, min(first + MAX_SPAN_WORDS, count + 1))
+    ]
+    return {"type": "array", "items": {"type": "string", "enum": ranges}, "minItems": 0, "maxItems": len(LETTERS)}
+
+
+def _point_schema() -> dict[str, object]:
+    expression = {"type": "string", "pattern": EXPRESSION_PATTERN}
+    return schema_of({"x": expression, "y": expression})

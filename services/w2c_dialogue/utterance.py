@@ -1,0 +1,113 @@
+"""What the operator typed, as words that a model can point at.
+
+A small model copies numbers well and rare words badly, so it names an object by the numbers of its words
+("5-6"), and the words themselves are taken from here. Everything a model sees of an utterance goes through
+`Utterance`: it bounds the length and drops what could pose as part of a prompt.
+"""
+
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from w2c.errors import RefusedError
+
+MAX_WORDS = 60
+MAX_CHARACTERS = 500
+LETTERS = "abc"
+"""Names of the objects of an utterance, in order of mention; no instruction needs more than three."""
+
+_OUTER = ".!?;:\"()[]{}<>`*_~|\\/"
+_QUOTES = str.maketrans({"’": "'", "‘": "'", "“": '"', "”": '"', "`": "'", " ": " "})
+
+
+class Span(tuple[int, int]):
+    """First and last word of a phrase, counted from 1, both inside."""
+
+    __slots__ = ()
+
+    def __new__(cls, first: int, last: int) -> "Span":
+        """Name the words `first` to `last`."""
+        return super().__new__(cls, (first, last))
+
+    def __str__(self) -> str:
+        """Return the form that models read and write: `5-6`."""
+        return f"{self[0]}-{self[1]}"
+
+
+@dataclass(frozen=True)
+class Utterance:
+    """An utterance cut into words. Build it with `parse`."""
+
+    typed: tuple[str, ...]
+    """The words as typed."""
+    folded: tuple[str, ...]
+    """The same words in lower case, without outer punctuation, commas kept."""
+
+    @property
+    def text(self) -> str:
+        """The utterance as typed, on one line."""
+        return " ".join(self.typed)
+
+    @property
+    def folded_text(self) -> str:
+        """The utterance as a small model reads it."""
+        return " ".join(self.folded).rstrip(",")
+
+    def numbered(self) -> str:
+        """Return the folded words, each after its number: `1 lean 2 on 3 it`."""
+        return " ".join(f"{i} {word}" for i, word in enumerate(self.folded, 1))
+
+    def phrase(self, span: Span) -> str:
+        """Return the words of a span as typed, without outer punctuation and possessive s."""
+        first, last = span
+        if not 1 <= first <= last <= len(self.typed):
+            raise RefusedError(f"words {span} are not in an utterance of {len(self.typed)} words")
+        words = " ".join(self.typed[first - 1 : last]).strip(_OUTER + ", '")
+        return words.removesuffix("'s").removesuffix("'S")
+
+    def with_letters(self, spans: Sequence[Span]) -> str:
+        """Return the folded text with each phrase replaced by its capital letter: `left of the A`.
+
+        The text is in lower case, so a capital letter cannot be a word of the operator.
+        """
+        words: list[str] = []
+        starts = {span[0]: (letter.upper(), span[1]) for letter, span in zip(LETTERS, spans, strict=False)}
+        index = 1
+        while index <= len(self.folded):
+            if index in starts:
+                letter, index = starts[index]
+                last = self.folded[index - 1]
+                words.append(letter + ("'s" if last.rstrip(",").endswith("'s") else "") + ("," * last.endswith(",")))
+            else:
+                words.append(self.folded[index - 1])
+            index += 1
+        return " ".join(words).rstrip(",")
+
+
+def parse(text: str) -> Utterance:
+    """Cut text into words.
+
+    Raises:
+        RefusedError: nothing is left of it, or it is too long.
+    """
+    if len(text) > MAX_CHARACTERS:
+        raise RefusedError(f"That is {len(text)} characters long; please use {MAX_CHARACTERS} at most.")
+    kept = "".join(_plain(c) for c in unicodedata.normalize("NFC", text).translate(_QUOTES))
+    pairs = [(word, fold(word)) for word in kept.split()]
+    pairs = [(word, folded) for word, folded in pairs if folded.strip(",")]
+    if not pairs:
+        raise RefusedError("I heard no words. Tell me where to put a hand, for example: lean on the table.")
+    if len(pairs) > MAX_WORDS:
+        raise RefusedError(f"That is {len(pairs)} words long; please use {MAX_WORDS} at most.")
+    return Utterance(tuple(p[0] for p in pairs), tuple(p[1] for p in pairs))
+
+
+def fold(word: str) -> str:
+    """Return a word in lower case without outer punctuation; a comma at its end stays."""
+    inner = word.strip(_OUTER + "'" + ",").lower()
+    return inner + "," if inner and word.rstrip(_OUTER).endswith(",") else inner
+
+
+def _plain(character: str) -> str:
+    """Return the character, or a space for one that is no text (control, format, private use)."""
+    return " " if unicodedata.category(character).startswith("C") else character
