@@ -1,0 +1,145 @@
+"""Bus in, bus out: requests to the engine, answers with what they cost."""
+
+import logging
+import os
+import threading
+from pathlib import Path
+
+from w2c import topics
+from w2c.bus import Bus
+from w2c.bus.interface import CallContext
+from w2c.clock import Clock
+from w2c.errors import ConfigError
+from w2c.messages import ChooseReply, ChooseRequest, CompleteReply, CompleteRequest
+from w2c_llm import answering
+from w2c_llm.backend import Backend
+from w2c_llm.config import EMBEDDED_MODEL, LlmConfig
+from w2c_llm.engine import Engine
+
+_LOG = logging.getLogger("w2c.llm")
+
+
+class LlmNode:
+    """Serves `llm/complete` and `llm/choose`."""
+
+    def __init__(self, config: LlmConfig, bus: Bus, clock: Clock) -> None:
+        self._config = config
+        self._bus = bus
+        self._clock = clock
+        self._engine = Engine(self._load, capacity=config.queue, clock=clock)
+        self._name = ""
+
+    @property
+    def queue_length(self) -> int:
+        """Requests that wait, for the health report."""
+        return self._engine.queue_length
+
+    def configure(self) -> None:
+        """Load and warm up the model, then serve."""
+        self._engine.start()
+        # Handlers only wait for the engine: enough of them to fill its queue, which is what bounds the load.
+        workers = self._config.queue + 1
+        self._bus.serve(topics.COMPLETE, self.complete, workers=workers)
+        self._bus.serve(topics.CHOOSE, self.choose, workers=workers)
+
+    def run(self, stop: threading.Event) -> None:
+        """Wait for the end: all work is in the handlers and on the engine's thread."""
+        stop.wait()
+
+    def close(self) -> None:
+        """Stop the engine; what waits gets an error that its caller may retry elsewhere."""
+        self._engine.close()
+
+    def complete(self, request: CompleteRequest, _: CallContext) -> CompleteReply:
+        """Answer one `complete`."""
+        done = self._engine.submit(
+            lambda backend, budget: answering.complete(backend, request, budget),
+            self._config.deadline,
+        )
+        answer, usage = done.value, done.value.usage
+        return CompleteReply(
+            text=answer.text,
+            value=answer.value,
+            model=self._name,
+            prompt_tokens=usage.prompt_tokens,
+            reused_tokens=usage.reused_tokens,
+            completion_tokens=usage.completion_tokens,
+            queue_ms=done.queue_ms,
+            prefill_ms=usage.prefill_ms,
+            decode_ms=usage.decode_ms,
+        )
+
+    def choose(self, request: ChooseRequest, _: CallContext) -> ChooseReply:
+        """Answer one `choose`."""
+        done = self._engine.submit(
+            lambda backend, budget: answering.choose(backend, request, budget),
+            self._config.deadline,
+        )
+        choice, usage = done.value, done.value.usage
+        return ChooseReply(
+            option=choice.option,
+            probabilities=choice.probabilities,
+            model=self._name,
+            prompt_tokens=usage.prompt_tokens,
+            reused_tokens=usage.reused_tokens,
+            queue_ms=done.queue_ms,
+            prefill_ms=usage.prefill_ms,
+        )
+
+    def _load(self) -> Backend:
+        """Load the configured model; on the engine's thread."""
+        backend = make_backend(self._config)
+        self._name = backend.name
+        _LOG.info("model loaded", extra={"model": backend.name, "backend": self._config.backend})
+        return backend
+
+
+def make_backend(config: LlmConfig) -> Backend:
+    """Return the backend that the flags name.
+
+    Raises:
+        ConfigError: a file is missing, or the flags do not fit each other.
+        ModelError: the model cannot be loaded.
+    """
+    if config.backend == "openai":
+        return _make_openai(config)
+    from w2c_llm.llama_cpp_backend import LlamaCppBackend
+
+    path = Path(config.model) if config.model else EMBEDDED_MODEL
+    return LlamaCppBackend(
+        path, context=config.context, threads=config.threads, gpu_layers=config.gpu_layers
+    )
+
+
+def _make_openai(config: LlmConfig) -> Backend:
+    from w2c_llm.openai_backend import OpenAiBackend, OpenAiOptions
+
+    if not config.model:
+        raise ConfigError("--backend openai needs --model, the name of the model at the server")
+    options = OpenAiOptions(
+        url=config.openai_url,
+        model=config.model,
+        schema_mode=config.openai_schema,
+        sampling=config.openai_sampling,
+        token_limit=config.openai_token_limit,
+        logprobs=config.openai_logprobs,
+        concurrency=config.openai_concurrency,
+    )
+    return OpenAiBackend(options, read_key(config.openai_key_file))
+
+
+def read_key(path: str) -> str:
+    """Return the key of the server, from a file or the environment; empty where there is none.
+
+    Raises:
+        ConfigError: the file cannot be read, or holds no key. The message never holds the key.
+    """
+    if not path:
+        return os.environ.get("OPENAI_API_KEY", "")
+    try:
+        key = Path(path).read_text().strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"the key file {path} cannot be read: {type(error).__name__}") from None
+    if not key or not key.isprintable() or " " in key:
+        raise ConfigError(f"the key file {path} must hold one key and nothing else")
+    return key

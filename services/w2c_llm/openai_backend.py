@@ -1,0 +1,294 @@
+"""Any server with OpenAI's chat completions: llama-server, vLLM, Ollama, or one in the cloud."""
+
+import json
+import logging
+import math
+import re
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import httpx
+import msgspec
+
+from w2c.errors import DeadlineError, ModelError, RefusedError
+from w2c.messages import ChatMessage
+from w2c_llm.backend import Budget, Capabilities, Generation, JsonSchema, Sampling, Scores, Usage
+
+_LOG = logging.getLogger("w2c.llm.openai")
+_ATTEMPTS = 4
+_FIRST_PAUSE_S = 0.5
+_LONGEST_PAUSE_S = 8.0
+_RETRIED = {408, 409, 425, 429, 500, 502, 503, 504}
+_MAX_REPLY_BYTES = 4_000_000
+_IMPOSSIBLE = -30.0
+"""Log-likelihood of an option that is not among the most likely tokens which the server lists"""
+
+
+@dataclass(frozen=True)
+class OpenAiOptions:
+    """What to ask whom, and what the server understands: flags, because names of models tell nothing."""
+
+    url: str
+    model: str
+    schema_mode: Literal["json_schema", "json_object", "none"] = "json_schema"
+    sampling: bool = True
+    token_limit: Literal["max_tokens", "max_completion_tokens"] = "max_tokens"
+    logprobs: bool = False
+    concurrency: int = 4
+
+
+class _Content(msgspec.Struct):
+    content: str | None = None
+
+
+class _TopToken(msgspec.Struct):
+    token: str
+    logprob: float
+
+
+class _Position(msgspec.Struct):
+    top_logprobs: list[_TopToken] = []
+
+
+class _Logprobs(msgspec.Struct):
+    content: list[_Position] | None = None
+
+
+class _ReplyChoice(msgspec.Struct):
+    message: _Content
+    finish_reason: str | None = None
+    logprobs: _Logprobs | None = None
+
+
+class _Cached(msgspec.Struct):
+    cached_tokens: int | None = 0
+
+
+class _Usage(msgspec.Struct):
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    prompt_tokens_details: _Cached | None = None
+
+
+class _Reply(msgspec.Struct):
+    """The fields of a chat completion that are used; the rest is ignored."""
+
+    choices: list[_ReplyChoice]
+    usage: _Usage | None = None
+
+
+class OpenAiBackend:
+    """A client of one server. Thread-safe."""
+
+    def __init__(
+        self,
+        options: OpenAiOptions,
+        key: str,
+        *,
+        pause: Callable[[float], None] | None = None,
+    ) -> None:
+        """Prepare a client; nothing is sent before the first request.
+
+        Args:
+            options: The server and what it understands.
+            key: Sent as bearer token; empty: none is sent. Kept out of logs and errors.
+            pause: Waits some seconds between attempts; tests pass their own.
+        """
+        self._options = options
+        self._closed = threading.Event()
+        self._pause = pause or (lambda seconds: void(self._closed.wait(seconds)))
+        headers = {"Authorization": f"Bearer {key}"} if key else {}
+        self._client = httpx.Client(base_url=options.url.rstrip("/") + "/", headers=headers)
+
+    @property
+    def name(self) -> str:
+        """Name of the model at the server."""
+        return self._options.model[:100]
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """What it promises: less than a model in this process."""
+        return Capabilities(
+            constrained=False,
+            likelihoods=self._options.logprobs,
+            seed=False,
+            prefix_reuse=False,
+            concurrent_calls=self._options.concurrency,
+        )
+
+    def warm_up(self) -> None:
+        """Do nothing: a request would cost money, and the server may come later."""
+
+    def close(self) -> None:
+        """Close the connections. Idempotent."""
+        self._closed.set()
+        self._client.close()
+
+    def generate(
+        self,
+        messages: Sequence[ChatMessage],
+        schema: JsonSchema,
+        sampling: Sampling,
+        constant_messages: int,  # noqa: ARG002 - servers find common prefixes themselves
+        budget: Budget,
+    ) -> Generation:
+        """Ask for JSON of a schema. Prose around the JSON is cut off; the caller validates the rest."""
+        instruction = (
+            "Answer with one JSON value and nothing else, in this JSON schema: "
+            + json.dumps(schema, ensure_ascii=False)
+        )
+        chat = [_as_dict(message) for message in messages]
+        chat[-1]["content"] += "\n\n" + instruction
+        body: dict[str, Any] = {"messages": chat, self._options.token_limit: sampling.max_tokens}
+        if self._options.sampling:
+            body.update(temperature=sampling.temperature, seed=sampling.seed)
+        body.update(self._response_format(schema))
+        started = time.monotonic()
+        reply = self._post(body, budget)
+        choice = reply.choices[0]
+        text = extract_json(choice.message.content or "")
+        return Generation(
+            text, choice.finish_reason != "length", _usage(reply, time.monotonic() - started)
+        )
+
+    def score(
+        self,
+        messages: Sequence[ChatMessage],
+        options: Sequence[str],
+        constant_messages: int,  # noqa: ARG002 - as above
+        budget: Budget,
+    ) -> Scores:
+        """Ask which option fits, by its letter.
+
+        With logprobs the likelihood of each letter is the server's. Without, the option that the model names has
+        likelihood 1 and the others e^-30: a prior then only decides against overwhelming odds.
+        """
+        letters = [chr(ord("A") + index) for index in range(26)] + list("123456")
+        listed = "\n".join(f"{letter}: {option}" for letter, option in zip(letters, options, strict=False))
+        chat = [_as_dict(message) for message in messages]
+        chat[-1]["content"] += (
+            f"\n\nWhich of these is the answer?\n{listed}\nReply with its letter or number only."
+        )
+        body: dict[str, Any] = {"messages": chat, self._options.token_limit: 16}
+        if self._options.sampling:
+            body.update(temperature=0.0, seed=0)
+        if self._options.logprobs:
+            body.update(logprobs=True, top_logprobs=20)
+        started = time.monotonic()
+        reply = self._post(body, budget)
+        found = self._likelihoods(reply.choices[0], letters[: len(options)])
+        return Scores(found, _usage(reply, time.monotonic() - started))
+
+    def _likelihoods(self, choice: _ReplyChoice, letters: Sequence[str]) -> list[float]:
+        if self._options.logprobs and choice.logprobs and choice.logprobs.content:
+            masses = dict.fromkeys(letters, math.exp(_IMPOSSIBLE))
+            for candidate in choice.logprobs.content[0].top_logprobs:
+                letter = candidate.token.strip().upper()
+                if letter in masses:  # " A" and "A" are the same answer
+                    masses[letter] += math.exp(min(candidate.logprob, 0.0))
+            return [math.log(masses[letter]) for letter in letters]
+        text = (choice.message.content or "").strip().upper()
+        answer = re.match(r"[^A-Z0-9]*([A-Z0-9])\b", text)
+        if answer is None or answer.group(1) not in letters:
+            raise ModelError(f"{self.name} named none of {', '.join(letters)}: '{text:.80}'")
+        return [0.0 if letter == answer.group(1) else _IMPOSSIBLE for letter in letters]
+
+    def _response_format(self, schema: JsonSchema) -> dict[str, Any]:
+        if self._options.schema_mode == "none":
+            return {}
+        if self._options.schema_mode == "json_object":
+            return {"response_format": {"type": "json_object"}}
+        named = {"name": "answer", "schema": schema, "strict": True}
+        return {"response_format": {"type": "json_schema", "json_schema": named}}
+
+    def _post(self, body: dict[str, Any], budget: Budget) -> _Reply:
+        """Send a request, again after a pause where that may help.
+
+        Raises:
+            RefusedError: the server refuses the request itself.
+            DeadlineError: the budget is spent.
+            ModelError: the server does not answer, or not with a chat completion.
+        """
+        reason = ""
+        for attempt in range(_ATTEMPTS):
+            budget.check()
+            if attempt:
+                wait = min(_FIRST_PAUSE_S * 2 ** (attempt - 1), _LONGEST_PAUSE_S, budget.remaining_s())
+                _LOG.warning("server asked again", extra={"reason": reason, "pause_s": wait})
+                self._pause(wait)
+                budget.check()
+            try:
+                response = self._client.post(
+                    "chat/completions",
+                    json={"model": self._options.model, **body},
+                    timeout=max(budget.remaining_s(), 0.001),
+                )
+            except httpx.TimeoutException:
+                raise DeadlineError(
+                    f"{self._options.url} did not answer in time; check the server or its load"
+                ) from None
+            except httpx.HTTPError as error:
+                reason = f"{type(error).__name__}"
+                continue
+            if response.status_code not in _RETRIED:
+                return self._read(response)
+            reason = f"status {response.status_code}"
+        raise ModelError(
+            f"{self._options.url} failed {_ATTEMPTS} times, last: {reason}; is the server up?"
+        )
+
+    def _read(self, response: httpx.Response) -> _Reply:
+        if response.status_code in (401, 403):
+            raise ModelError(
+                f"{self._options.url} refuses the key (status {response.status_code}); check --openai-key-file"
+            )
+        if response.status_code != 200:
+            # The body may repeat the request's headers: it is not quoted beyond the server's own message.
+            raise RefusedError(
+                f"{self._options.url} refuses the request (status {response.status_code}); "
+                "check --model, --openai-url, --openai-schema and --openai-sampling"
+            )
+        if len(response.content) > _MAX_REPLY_BYTES:
+            raise ModelError(f"the server sent {len(response.content)} bytes, limit {_MAX_REPLY_BYTES}")
+        try:
+            reply = msgspec.json.decode(response.content, type=_Reply)
+        except msgspec.MsgspecError as error:
+            raise ModelError(f"{self._options.url} sent no chat completion: {error}") from error
+        if not reply.choices:
+            raise ModelError(f"{self._options.url} sent a chat completion without choices")
+        return reply
+
+
+def void(_: object) -> None:
+    """Forget a value."""
+
+
+def _as_dict(message: ChatMessage) -> dict[str, str]:
+    return {"role": message.role, "content": message.content}
+
+
+def _usage(reply: _Reply, seconds: float) -> Usage:
+    """Return the cost; a server does not tell prefill from decoding."""
+    usage = reply.usage or _Usage()
+    details = usage.prompt_tokens_details
+    return Usage(
+        prompt_tokens=usage.prompt_tokens,
+        reused_tokens=(details.cached_tokens or 0) if details else 0,
+        completion_tokens=usage.completion_tokens,
+        decode_ms=1e3 * seconds,
+    )
+
+
+def extract_json(text: str) -> str:
+    """Return the first JSON object or array in a text; the text itself where there is none."""
+    decoder = json.JSONDecoder()
+    for match in re.finditer(r"[{\[]", text):
+        try:
+            _, end = decoder.raw_decode(text, match.start())
+        except (ValueError, RecursionError):
+            continue
+        return text[match.start() : end]
+    return text.strip()
