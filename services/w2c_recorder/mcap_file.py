@@ -1,0 +1,209 @@
+"""One MCAP file that is being written: channels, chunks, metadata, losses, and its end."""
+
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+from mcap.well_known import MessageEncoding, SchemaEncoding
+from mcap.writer import CompressionType, IndexType, Writer
+
+from w2c import topics
+from w2c.bus import RawReceived
+from w2c.errors import ConfigError, RecordingError
+from w2c.messages import Message
+from w2c_recorder.liveliness import Liveliness, is_liveliness_key
+from w2c_recorder.losses import LossCounter
+from w2c_recorder.schemas import json_schema
+
+PROFILE = "words2contact"
+SESSION_METADATA = "session"
+LOSSES_METADATA = "losses"
+CHUNK_BYTES = 1_000_000
+"""Of messages before compression; a chunk is what a crash of the process can lose."""
+
+Compression = Literal["lz4", "zstd", "none"]
+_COMPRESSION = {
+    "lz4": CompressionType.LZ4,
+    "zstd": CompressionType.ZSTD,
+    "none": CompressionType.NONE,
+}
+
+
+class EnvelopeHead(msgspec.Struct, frozen=True):
+    """The part of an envelope the recorder needs; decoding it skips the message, which is large."""
+
+    boot_id: str
+    sequence: int
+    clock_ns: int
+
+
+_DECODE_HEAD = msgspec.msgpack.Decoder(EnvelopeHead).decode
+
+
+def head_of(payload: bytes) -> EnvelopeHead | None:
+    """Return what an envelope says of its message; None for bytes that are no envelope."""
+    try:
+        return _DECODE_HEAD(payload)
+    except (msgspec.DecodeError, UnicodeDecodeError):
+        return None
+
+
+def message_type_of(key: str) -> type[Message] | None:
+    """Return what the registry says a key carries; None for keys that it does not know."""
+    if is_liveliness_key(key):
+        return Liveliness
+    try:
+        return topics.parse_key(key)[1].message
+    except ConfigError:
+        return None
+
+
+class _Output:
+    """The file under the MCAP writer: unbuffered, so that a dead process loses nothing written."""
+
+    def __init__(self, path: Path) -> None:
+        self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+        # A recorder that starts beside a running one must not "recover" the file from under it.
+        fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        self.written = 0
+
+    def write(self, data: bytes) -> int:
+        """Write all of it, or nothing and raise OSError."""
+        view = memoryview(data)
+        try:
+            while view:
+                view = view[os.write(self._descriptor, view) :]
+        except OSError:
+            # Half a record would be the end of what can be read.
+            os.ftruncate(self._descriptor, self.written)
+            raise
+        self.written += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        """Return the number of bytes written."""
+        return self.written
+
+    def flush(self) -> None:
+        """Nothing is held back."""
+
+    def sync(self) -> None:
+        """Wait until the disk has it."""
+        os.fsync(self._descriptor)
+
+    def close(self) -> None:
+        """Release the file."""
+        os.close(self._descriptor)
+
+
+class McapFile:
+    """A new recording, used by one thread.
+
+    Every method may raise RecordingError, after which only `abandon` is left.
+    """
+
+    def __init__(
+        self, path: Path, metadata: dict[str, str], compression: Compression = "lz4"
+    ) -> None:
+        self.path = path
+        self.messages = 0
+        self.malformed = 0
+        """Messages without a readable envelope; recorded all the same."""
+        self.losses = LossCounter()
+        self._channels: dict[str, int] = {}
+        self._schemas: dict[str, int] = {}
+        try:
+            self._output = _Output(path)
+        except OSError as error:
+            raise RecordingError(
+                f"{path} cannot be written: {error.strerror}; choose another path"
+            ) from error
+        self._writer = Writer(
+            self._output,  # type: ignore[arg-type] # three methods of IO are all it calls
+            chunk_size=CHUNK_BYTES,
+            compression=_COMPRESSION[compression],
+            index_types=IndexType.ALL,
+        )
+        with self._writing():
+            self._writer.start(profile=PROFILE, library=f"words2contact {metadata.get('w2c', '')}")
+            self._writer.add_metadata(SESSION_METADATA, metadata)
+
+    @property
+    def bytes_written(self) -> int:
+        """Size of the file so far [B]."""
+        return self._output.written
+
+    def write(self, received: RawReceived, log_time_ns: int) -> None:
+        """Append one message as it was on the wire, with its time of arrival [ns since 1970]."""
+        head = head_of(received.payload)
+        publish_time_ns = log_time_ns if head is None else head.clock_ns
+        sequence = 0 if head is None else head.sequence
+        if head is None:
+            self.malformed += 1
+        else:
+            self.losses.observe(received.key, head.boot_id, head.sequence)
+        with self._writing():
+            self._writer.add_message(
+                self._channel_of(received.key),
+                log_time=log_time_ns,
+                data=received.payload,
+                # Bounded to what MCAP has room for, because a sender may send nonsense.
+                publish_time=min(max(publish_time_ns, 0), 2**64 - 1),
+                sequence=sequence & 0xFFFF_FFFF,
+            )
+        self.messages += 1
+
+    def flush(self) -> None:
+        """End the chunk, so that what came so far is readable whatever happens to this process."""
+        with self._writing():
+            self._writer.flush()  # type: ignore[no-untyped-call]
+
+    def close(self) -> None:
+        """Write losses, index and summary, and release the file."""
+        losses = {key: str(count) for key, count in self.losses.lost().items()}
+        with self._writing():
+            self._writer.flush()  # type: ignore[no-untyped-call]
+            self._writer.add_metadata(LOSSES_METADATA, losses)
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._output.sync()
+            self._output.close()
+
+    def abandon(self) -> None:
+        """Release the file without an end. What was flushed is readable."""
+        self._output.close()
+
+    def _channel_of(self, key: str) -> int:
+        """Return the channel of a key; a new key opens one."""
+        channel = self._channels.get(key)
+        if channel is None:
+            message_type = message_type_of(key)
+            channel = self._writer.register_channel(
+                topic=key,
+                message_encoding=MessageEncoding.MessagePack,
+                schema_id=0 if message_type is None else self._schema_of(message_type),
+            )
+            self._channels[key] = channel
+        return channel
+
+    def _schema_of(self, message_type: type[Message]) -> int:
+        name = message_type.__name__
+        if name not in self._schemas:
+            self._schemas[name] = self._writer.register_schema(
+                name=name, encoding=SchemaEncoding.JSONSchema, data=json_schema(message_type)
+            )
+        return self._schemas[name]
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Turn what the system says into an error for the operator."""
+        try:
+            yield
+        except OSError as error:
+            raise RecordingError(
+                f"{self.path} cannot be written any further after {self.bytes_written} bytes: "
+                f"{error.strerror}; what came before can be read"
+            ) from error

@@ -1,0 +1,234 @@
+"""The one thread that touches the file: drains the bus, writes, flushes, stops loudly."""
+
+import logging
+import queue
+import shutil
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from w2c.bus import RawQueue, RawReceived
+from w2c.errors import RecordingError, RefusedError
+from w2c_recorder.mcap_file import McapFile
+
+FLUSH_PERIOD_S = 0.5
+"""A killed recorder loses what came since the last flush."""
+RECEIVE_TIMEOUT_S = 0.05
+DRAIN_TIMEOUT_S = 2.0
+"""How long a stop writes what is queued: a bus that never falls silent must not hold it up."""
+
+log = logging.getLogger("w2c.recorder")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What the thread does, as of its last flush."""
+
+    path: str = ""
+    """Of the current recording, or of the last one"""
+    recording: bool = False
+    messages: int = 0
+    bytes: int = 0
+    malformed: int = 0
+    lost: dict[str, int] = field(default_factory=dict)
+    error: str = ""
+    """Why the recording stopped by itself"""
+
+
+class WriterThread:
+    """Writes all that a queue gives, while a recording is on. Any thread may call its methods.
+
+    Commands run between two messages on the thread itself, so that a file needs no lock and no
+    message is half inside a recording.
+    """
+
+    def __init__(
+        self,
+        messages: RawQueue,
+        new_file: Callable[[Path], McapFile],
+        *,
+        minimum_free_bytes: int = 0,
+        wall_minus_monotonic_ns: Callable[[], int] = lambda: time.time_ns() - time.monotonic_ns(),
+    ) -> None:
+        self._messages = messages
+        self._new_file = new_file
+        self._minimum_free_bytes = minimum_free_bytes
+        self._wall_minus_monotonic_ns = wall_minus_monotonic_ns
+        self._offset_ns = 0
+        self._file: McapFile | None = None
+        self._flush_at = 0.0
+        self._progress = Progress()
+        self._commands: queue.SimpleQueue[tuple[Callable[[], None], Future[Progress]]] = (
+            queue.SimpleQueue()
+        )
+        self._ending = threading.Event()
+        self._admission = threading.Lock()
+        self._thread = threading.Thread(target=self._run, name="recorder-writer", daemon=True)
+        self._thread.start()
+
+    @property
+    def progress(self) -> Progress:
+        """State as of the last flush, at most half a second old."""
+        return self._progress
+
+    def start(self, path: Path) -> Progress:
+        """Begin a file. Raises RecordingError: it cannot be made; RefusedError: one is open."""
+        return self._execute(lambda: self._start(path))
+
+    def stop(self) -> Progress:
+        """Write what is queued, and close the file. Without a recording nothing happens."""
+        return self._execute(self._finish)
+
+    def append(self, received: RawReceived) -> None:
+        """Write a message that did not come over the bus; ignored while no recording is on."""
+        self._execute(lambda: self._write(received))
+
+    def shut_down(self) -> None:
+        """Close the recording, if any, and end the thread. Idempotent."""
+        with self._admission:
+            self._ending.set()
+        self._thread.join()
+
+    def _execute(self, command: Callable[[], None]) -> Progress:
+        """Run a command on the thread and return the state after it; its error comes out here."""
+        done: Future[Progress] = Future()
+        with self._admission:  # what is admitted is run: its caller waits for it
+            if self._ending.is_set():
+                raise RefusedError("the recorder is shutting down")
+            self._commands.put((command, done))
+        return done.result()
+
+    def _run(self) -> None:
+        while not self._ending.is_set():
+            self._run_commands()
+            try:
+                self._work()
+            except Exception as error:  # the boundary: only the recording may end, and loudly
+                log.exception("recorder failed")
+                self._fail(RecordingError(f"the recorder failed: {error!r}"))
+        self._run_commands()
+        self._finish()
+
+    def _work(self) -> None:
+        """Take one message, if there is one."""
+        received = self._messages.receive(RECEIVE_TIMEOUT_S)
+        if received is not None:
+            self._write(received)
+        if self._file is not None and time.monotonic() >= self._flush_at:
+            self._flush()
+
+    def _run_commands(self) -> None:
+        while not self._commands.empty():
+            command, done = self._commands.get()
+            try:
+                command()
+            except Exception as error:  # it belongs to the caller of the command
+                done.set_exception(error)
+            else:
+                done.set_result(self._progress)
+
+    def _start(self, path: Path) -> None:
+        if self._file is not None:
+            raise RefusedError(
+                f"already recording into {self._file.path}; stop first: w2c record stop"
+            )
+        try:
+            self._check_space(path)
+            self._file = self._new_file(path)
+        except RecordingError as error:
+            self._progress = Progress(path=str(path), error=str(error))
+            raise
+        self._offset_ns = self._wall_minus_monotonic_ns()
+        log.info("recording", extra={"path": str(path)})
+        self._flush()
+
+    def _write(self, received: RawReceived) -> None:
+        if self._file is None:
+            return
+        try:
+            self._file.write(received, received.received_ns + self._offset_ns)
+        except RecordingError as error:
+            self._fail(error)
+
+    def _flush(self) -> None:
+        """Make what was written survive a crash, and see whether there is room for more."""
+        if self._file is None:
+            return
+        self._flush_at = time.monotonic() + FLUSH_PERIOD_S
+        try:
+            self._file.flush()
+            self._note(self._file)
+        except RecordingError as error:
+            self._fail(error)
+            return
+        try:
+            self._check_space(self._file.path)
+        except RecordingError as error:
+            self._finish(str(error))  # only the reserve is touched: there is room for the end
+
+    def _finish(self, error: str = "") -> None:
+        """Write what is queued, and close."""
+        self._drain()
+        file = self._file
+        if file is None:  # none was on, or the drain filled the disk
+            return
+        try:
+            file.close()
+        except RecordingError as problem:
+            self._fail(problem)
+            return
+        self._file = None
+        self._progress = _progress_of(file, recording=False, error=error)
+        if error:
+            log.error("recording stopped: %s", error)
+        else:
+            log.info("recording closed", extra={"path": str(file.path)})
+
+    def _drain(self) -> None:
+        deadline = time.monotonic() + DRAIN_TIMEOUT_S
+        while self._file is not None and time.monotonic() < deadline:
+            received = self._messages.receive(0.0)
+            if received is None:
+                return
+            self._write(received)
+
+    def _fail(self, error: RecordingError) -> None:
+        """Stop the recording and nothing else, and say so."""
+        file, self._file = self._file, None
+        if file is not None:
+            file.abandon()
+            self._progress = _progress_of(file, recording=False, error=str(error))
+            log.error("recording stopped: %s", error)
+
+    def _check_space(self, path: Path) -> None:
+        """Raise RecordingError before the disk is so full that other processes suffer."""
+        try:
+            free = shutil.disk_usage(path.parent).free
+        except OSError as error:
+            raise RecordingError(f"{path.parent} cannot be written: {error.strerror}") from error
+        if free < self._minimum_free_bytes:
+            raise RecordingError(
+                f"{path.parent} has {free / 1e6:.0f} MB left, the recorder leaves "
+                f"{self._minimum_free_bytes / 1e6:.0f} MB to others. "
+                "Make room, then: w2c record start"
+            )
+
+    def _note(self, file: McapFile) -> None:
+        if file.malformed > self._progress.malformed:
+            log.warning("%d messages recorded that have no readable envelope", file.malformed)
+        self._progress = _progress_of(file, recording=True)
+
+
+def _progress_of(file: McapFile, *, recording: bool, error: str = "") -> Progress:
+    return Progress(
+        path=str(file.path),
+        recording=recording,
+        messages=file.messages,
+        bytes=file.bytes_written,
+        malformed=file.malformed,
+        lost=file.losses.lost(),
+        error=error,
+    )
