@@ -1,9 +1,9 @@
 """The robot driver on the bus: state out, commands in, stop always.
 
 Real time: the newest command wins, and what happens without one is the watchdog's affair. Lock
-step: the state of tick k goes out, and time stands still until the command that answers k comes. That
-state is sent again every second, because a controller that starts later has not seen it: a controller
-gives a tick that it has answered before the same answer, without computing.
+step: the state of tick k goes out, and time stands still until the command that answers k comes.
+That state is sent again every second, because a controller that starts later has not seen it: a
+controller gives a tick that it has answered before the same answer, without computing.
 """
 
 import gc

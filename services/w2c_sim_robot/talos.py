@@ -58,20 +58,20 @@ EFFORT: dict[str, float] = {
 }
 """Limits [Nm] of a Talos whose arms may lean: they carry 245 N, those of the wheel 105 N."""
 
-# Knees bent, and the centre of mass above the middle of the soles (6 mm behind it).
-_LEG_STANDING = (0.0, 0.0, -0.46, 0.86, -0.40, 0.0)
+# Knees bent, and the centre of mass above the middle of the soles (1 cm behind it).
+_LEG_STANDING = (0.0, 0.0, -0.475, 0.86, -0.385, 0.0)
 
 READY: dict[str, float] = {
     **dict(zip(LEFT_LEG, _LEG_STANDING, strict=True)),
     **dict(zip(RIGHT_LEG, _LEG_STANDING, strict=True)),
     "torso_1_joint": 0.0,
-    "torso_2_joint": 0.05,
+    "torso_2_joint": 0.12,
     # Elbows out and bent, hands beside the body and above table height: out of the camera's view,
     # and a hand that sets out does not have to come from under the table.
     **dict(zip(LEFT_ARM, (0.25, 0.64, -0.45, -1.65, 0.0, 0.0, 0.0), strict=True)),
     **dict(zip(RIGHT_ARM, (-0.25, -0.64, 0.5, -1.6), strict=True)),
-    # With the torso, the camera looks 42 degrees down: on a table from half a metre on.
-    "head_1_joint": 0.70,
+    # With the torso, the camera looks 50 degrees down: it sees a table from 0.42 to 1.2 m ahead.
+    "head_1_joint": 0.75,
     "head_2_joint": 0.0,
 }
 """Joint angles at the start [rad]."""
