@@ -37,7 +37,8 @@ def shade(colour: Colour, rng: np.random.Generator, spread: float = 0.05) -> Col
     """Return a colour nearby that still has the same name: lighter or darker, never another hue."""
     base: Vector = np.asarray(colour)
     brightness = 1.0 + rng.uniform(-2.0, 2.0) * spread
-    tint = rng.uniform(-spread, spread, 3) * 0.5
+    # Grey stays grey: the eye sees the slightest hue in it.
+    tint = rng.uniform(-spread, spread, 3) * min(0.5, float(np.ptp(base)))
     red, green, blue = np.clip(base * brightness + tint, 0.02, 0.98)
     return float(red), float(green), float(blue)
 

@@ -42,17 +42,17 @@ def cloth(size: Size, rng: np.random.Generator) -> Shape:
 
 
 def sponge(size: Size, rng: np.random.Generator) -> Shape:
-    """Return a sponge with a scouring side on top."""
+    """Return a sponge with a scouring side underneath."""
     x, y, z = size
     outline = rounded_rectangle(x, y, 0.012)
     return Shape(
         (
             Part(
-                prism(outline, 0.75 * z, 0.003),
+                prism(outline, 0.75 * z, 0.003).moved((0, 0, 0.25 * z)),
                 Surface("main", textures.speckle(rng, 0.06, 6.0), 0.02),
             ),
             Part(
-                prism(outline, 0.25 * z, 0.002).moved((0, 0, 0.75 * z)),
+                prism(outline, 0.25 * z, 0.002),
                 Surface((0.16, 0.30, 0.20), textures.speckle(rng, 0.08, 3.0), 0.02),
             ),
         ),

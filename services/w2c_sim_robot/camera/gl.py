@@ -1,0 +1,63 @@
+"""Choose how OpenGL is reached without a display. Must run before MuJoCo is imported."""
+
+import ctypes
+import os
+import subprocess
+import sys
+
+from w2c.errors import ConfigError
+
+BACKENDS = {"egl": ("libEGL.so.1",), "osmesa": ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")}
+PACKAGES = {"egl": "libegl1 libegl-mesa0 libgl1-mesa-dri", "osmesa": "libosmesa6"}
+_PROBE = "import mujoco; context = mujoco.GLContext(8, 8); context.make_current(); context.free()"
+_PROBE_TIMEOUT_S = 60.0
+
+
+def choose_backend() -> str:
+    """Set MUJOCO_GL to the first backend that works, egl before osmesa, and return it.
+
+    A choice that the user made in the environment is kept, if it works.
+
+    Raises:
+        ConfigError: none works; the message names the packages to install.
+    """
+    chosen = os.environ.get("MUJOCO_GL", "")
+    for backend in [chosen] if chosen else list(BACKENDS):
+        if works(backend):
+            os.environ["MUJOCO_GL"] = backend
+            return backend
+    tried = chosen or " and ".join(BACKENDS)
+    raise ConfigError(
+        f"no OpenGL without a display: tried {tried}. Install one of them: "
+        f"`apt-get install -y {PACKAGES['egl']}` or `apt-get install -y {PACKAGES['osmesa']}`"
+    )
+
+
+def works(backend: str) -> bool:
+    """Try a backend in a process of its own: a driver that fails may take the process with it."""
+    if not any(_can_load(library) for library in BACKENDS.get(backend, ())):
+        return backend not in BACKENDS and _probe(backend)
+    return _probe(backend)
+
+
+def _probe(backend: str) -> bool:
+    environment = {**os.environ, "MUJOCO_GL": backend}
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", _PROBE],
+            env=environment,
+            capture_output=True,
+            timeout=_PROBE_TIMEOUT_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def _can_load(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True

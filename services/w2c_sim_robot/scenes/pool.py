@@ -1,0 +1,168 @@
+"""Many scenes with one compiled model: things are moved, repainted and hidden instead of compiled anew."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from w2c_sim_robot import talos
+from w2c_sim_robot.camera.renderer import Image, Renderer
+from w2c_sim_robot.model import HEAD_CAMERA, HEAD_SHELL_GROUP, build_model, ready_configuration
+from w2c_sim_robot.scenes.build import VISUAL_GROUP, colour_of, paints_of
+from w2c_sim_robot.scenes.objects.catalogue import make_object, shape_of
+from w2c_sim_robot.scenes.objects.shape import Shape
+from w2c_sim_robot.scenes.random_scene import Asset, random_assets
+from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
+
+HIDDEN_GROUP = 5
+SCENES_PER_POOL = 50
+HARDWARE_SAMPLES = 4
+_DOWN = (0.0, 0.0, -1.0)
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One picture of one scene, with what each pixel shows."""
+
+    image: Image
+    identity: npt.NDArray[np.uint8]
+    """(h, w): 0 nothing, n = the n-th object of the scene, 255 = the robot"""
+    world_from_camera: npt.NDArray[np.float64]
+    """(4, 4) of the optical frame: x right, y down, z forward"""
+    vertical_fov: float
+    """[rad]"""
+
+
+class Pool:
+    """A model with a stock of things, of which each scene shows some."""
+
+    def __init__(self, seed: int, width: int, height: int) -> None:
+        """Compile the stock of a seed."""
+        rng = np.random.default_rng([seed, 5])
+        self.assets: tuple[Asset, ...] = random_assets(rng)
+        stock = [_stored(asset) for asset in self.assets]
+        self._shapes: dict[str, Shape] = {item.name: shape_of(item) for item in stock}
+        floor = str(rng.choice(["tiles", "wood", "concrete", "carpet"]))
+        scene = Scene(
+            name="pool",
+            objects=tuple(stock),
+            lights=(Light(position=(0, 0, 3), direction=_DOWN), Light(position=(0, 0, 3), direction=_DOWN)),
+            surroundings=Surroundings(floor=floor, variant=int(rng.integers(1000))),  # type: ignore[arg-type]
+        )
+        self.model = build_model(scene)
+        self._data = mujoco.MjData(self.model)
+        self._ready = ready_configuration(self.model)
+        self._renderer = Renderer(self.model, width, height, hardware_samples=HARDWARE_SAMPLES)
+        self._robot = self.model.body_rootid == self.model.body(talos.BASE_LINK).id
+
+    def shoot(self, scene: Scene, rng: np.random.Generator, *, shadows: bool) -> Shot:
+        """Return the picture of a scene of this pool's assets, the robot in a posture drawn from `rng`."""
+        self._arrange(scene)
+        self._pose_robot(rng, scene.objects[0].size[2])
+        fov = np.radians(rng.uniform(40.0, 44.0))
+        self.model.cam_fovy[self.model.camera(HEAD_CAMERA).id] = np.degrees(fov)
+        hidden = (HEAD_SHELL_GROUP, HIDDEN_GROUP)
+        image = self._renderer.draw(self._data, HEAD_CAMERA, hidden_groups=hidden, shadows=shadows)
+        geoms = self._renderer.segment(self._data, HEAD_CAMERA, hidden_groups=hidden)
+        camera = self._data.camera(HEAD_CAMERA)
+        pose = np.eye(4)
+        # MuJoCo's cameras look along -z with y up.
+        pose[:3, :3] = camera.xmat.reshape(3, 3) @ np.diag([1.0, -1.0, -1.0])
+        pose[:3, 3] = camera.xpos
+        return Shot(image, self._identity_of_geom(scene)[geoms], pose, float(fov))
+
+    def close(self) -> None:
+        """Free the graphics context."""
+        self._renderer.close()
+
+    def _identity_of_geom(self, scene: Scene) -> npt.NDArray[np.uint8]:
+        """Return (ngeom + 1,) so that index -1 is nothing."""
+        identity = np.zeros(self.model.ngeom + 1, dtype=np.uint8)
+        identity[:-1][self._robot[self.model.geom_bodyid]] = 255
+        for number, item in enumerate(scene.objects, start=1):
+            identity[:-1][self.model.geom_bodyid == self.model.body(item.name).id] = number
+        return identity
+
+    def _arrange(self, scene: Scene) -> None:
+        """Move, paint and hide the stock, and set light and room."""
+        shown = {item.name: item for item in scene.objects}
+        for name, shape in self._shapes.items():
+            item = shown.get(name)
+            for number, part in enumerate(shape.parts):
+                geom = self.model.geom(f"{name}_visual_{number}").id
+                self.model.geom_group[geom] = HIDDEN_GROUP if item is None else VISUAL_GROUP
+                if item is not None:
+                    material = self.model.geom_matid[geom]
+                    self.model.mat_rgba[material, :3] = colour_of(part.surface, paints_of(item))
+            if item is not None:
+                body = self.model.body(name).id
+                x, y, z, w = item.orientation
+                self.model.body_pos[body] = item.position
+                self.model.body_quat[body] = (w, x, y, z)
+        self._light(scene)
+
+    def _light(self, scene: Scene) -> None:
+        model = self.model
+        for number, light in enumerate(scene.lights):
+            lamp = model.light(f"lamp_{number}").id
+            warm = np.array([1.0 + 0.08 * light.warmth, 1.0, 1.0 - 0.16 * light.warmth])
+            model.light_pos[lamp] = light.position
+            model.light_dir[lamp] = np.asarray(light.direction) / np.linalg.norm(light.direction)
+            model.light_diffuse[lamp] = np.clip(light.brightness * warm, 0, 1)
+            model.light_castshadow[lamp] = light.shadow
+        model.mat_rgba[model.material("scene_floor").id, :3] = scene.surroundings.floor_colour
+        model.mat_rgba[model.material("scene_wall").id, :3] = scene.surroundings.wall_colour
+        model.vis.headlight.ambient[:] = scene.surroundings.ambient
+
+    def _pose_robot(self, rng: np.random.Generator, surface: float) -> None:
+        """Bend the robot: head and torso a little, the hands above the surface in most pictures."""
+        data = self._data
+        data.qpos[:] = self._ready
+        data.qpos[:3] += rng.normal(0.0, 0.02, 3)
+        pitch = rng.uniform(-0.05, 0.12)
+        data.qpos[3:7] = (np.cos(pitch / 2), 0.0, np.sin(pitch / 2), 0.0)
+        self._bend(rng, "head_1_joint", -0.15, 0.085)
+        self._bend(rng, "head_2_joint", -0.25, 0.25)
+        self._bend(rng, "torso_1_joint", -0.15, 0.15)
+        self._bend(rng, "torso_2_joint", -0.05, 0.3)
+        for joints, hand in zip((talos.LEFT_ARM, talos.RIGHT_ARM), talos.HAND_FRAMES, strict=True):
+            if rng.random() < 0.75:
+                self._raise_hand(rng, joints, hand, surface)
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        mujoco.mj_camlight(self.model, data)
+
+    def _raise_hand(
+        self, rng: np.random.Generator, joints: tuple[str, ...], hand: str, surface: float
+    ) -> None:
+        """Draw arm postures until the hand is over the surface; keep the last one in any case."""
+        for _ in range(80):
+            for name in joints:
+                self._bend(rng, name, -0.8, 0.8)
+            mujoco.mj_kinematics(self.model, self._data)
+            x, y, z = self._data.body(hand).xpos
+            if 0.42 < x < 1.0 and abs(y) < 0.5 and surface + 0.03 < z < surface + 0.3:
+                return
+
+    def _bend(self, rng: np.random.Generator, joint: str, low: float, high: float) -> None:
+        """Set a joint this much away from ready, within its limits."""
+        row = self.model.joint(joint)
+        address = row.qposadr[0]
+        angle = self._ready[address] + rng.uniform(low, high)
+        self._data.qpos[address] = np.clip(angle, *row.range)
+
+
+def _stored(asset: Asset) -> SceneObject:
+    """Return the thing as it is compiled: out of sight, fixed, so that it is posed through the model."""
+    from w2c_sim_robot.scenes.objects.catalogue import KINDS
+
+    return make_object(
+        asset.kind,
+        KINDS[asset.kind].colours[0],
+        (0.0, 0.0, -20.0),
+        name=asset.name,
+        size=asset.size,
+        variant=asset.variant,
+        movable=False,
+    )
