@@ -113,10 +113,18 @@ def _describe(model: pin.Model, description: RobotDescription) -> ControlledMode
     )
 
 
-def standing_configuration(controlled: ControlledModel, joints: Vector) -> Vector:
-    """Return q (nq,) with the world midway between the soles, for joint angles (nj,) in the model's order."""
+def standing_configuration(
+    controlled: ControlledModel, joints: Vector, data: pin.Data | None = None
+) -> Vector:
+    """Return q (nq,) with the world midway between the soles.
+
+    Args:
+        controlled: The robot.
+        joints: (nj,) in the model's order [rad].
+        data: Pinocchio's, overwritten; None makes its own.
+    """
     model = controlled.model
-    data = model.createData()
+    data = model.createData() if data is None else data
     q = pin.neutral(model)
     q[7:] = joints
     pin.framesForwardKinematics(model, data, q)

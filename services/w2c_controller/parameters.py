@@ -29,8 +29,9 @@ class Weights:
     foot_position: float = 1e5
     foot_rotation: float = 1e4
     hand_position: float = 5e3
-    hand_rotation: tuple[float, float] = (1e2, 1e2)
-    """Left, right; of a free hand, and of a hand in contact, whose position is an equality."""
+    hand_rotation: tuple[float, float] = (1.0, 0.0)
+    """Left, right. SEIKO's is 100 for both; that pulls a hand 7 mm off a point whose orientation its arm
+    cannot have, and the orientation of a ball means nothing."""
     arm_torque: float = 0.005
     body_torque: float = 2e-5
     plane_wrench: tuple[float, ...] = (0.002, 0.002, 2e-5, 0.002, 0.002, 0.002)
@@ -108,7 +109,7 @@ class Motion:
 
     via_height: float = 0.06
     """Of the point above the surface from which the hand comes down along the normal [m]."""
-    speed: float = 0.12
+    speed: float = 0.18
     """Of free motion [m/s]."""
     touch_speed: float = 0.025
     """Along the normal, near the surface [m/s]."""

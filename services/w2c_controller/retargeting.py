@@ -4,6 +4,8 @@ Nothing measured enters. What comes out is a quasi-static motion that respects b
 and torque limits, with targets followed as closely as those allow.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 import numpy.typing as npt
 
@@ -51,11 +53,12 @@ class Retargeting:
             for right in (False, True):
                 self._builder((True, True, left, right))
 
-    def reset(self, joints: Vector) -> None:
-        """Stand on both feet in this posture, world origin midway between the soles.
+    def reset(self, joints: Vector, supports: Mapping[int, Matrix] | None = None) -> None:
+        """Stand in this posture, world origin midway between the soles.
 
         Args:
             joints: (nj,) joint angles in the model's order [rad].
+            supports: Hands that lean already, each with its world_from_contact (3, 3).
 
         Raises:
             ControlError: the posture cannot stand.
@@ -65,6 +68,9 @@ class Retargeting:
         state = DesiredState(q=q, posture=joints.copy(), velocity=np.zeros(self.controlled.nv))
         for k in FEET:
             state.force_min[k] = self._configured_min[k]
+        for k, rotation in (supports or {}).items():
+            state.enabled = with_contact(state.enabled, k, True)
+            state.contact_rotations[k] = rotation
         balance_at_rest(self.controlled, self.kinematics, state, self.parameters, self._solver)
         state.target_positions[:] = self.kinematics.positions
         state.target_rotations[:] = self.kinematics.rotations

@@ -1,0 +1,267 @@
+"""The controller of one robot, pure of bus and clocks: one state in, one command out.
+
+    command = desired posture + tau / K
+
+tau is the torque of the static equilibrium with all contact forces: a position-controlled joint of
+stiffness K bears it when it is wound up by tau / K. Without it a hand touches, and carries nothing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c.geometry import frame_from_normal
+from w2c.messages import JointCommand, RobotDescription, RobotState
+from w2c_controller.hands import Hands
+from w2c_controller.model import Kinematics, build_model, standing_configuration
+from w2c_controller.parameters import HANDS, Parameters
+from w2c_controller.requests import Request, Requests, Situation
+from w2c_controller.retargeting import Retargeting
+from w2c_controller.sensing import LoadEstimator, Measured
+from w2c_controller.switching import Event, Switching
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+
+FRESH_POSTURE = 0.05
+"""A robot within this of its initial posture starts from it exactly [rad]."""
+LEANING_FORCE = 15.0
+"""A hand that measures more at the start leans: it is a support from the first tick on [N]."""
+FOREIGN_COMMAND = 0.03
+"""A command in force that differs more from ours is not ours: go on from it [rad]."""
+AWAY = 0.05
+"""A hand farther from its rest can be released [m]."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What the controller does, for the status message; arrays over end effectors, in the world."""
+
+    tick: int
+    phase: str
+    goal_id: str
+    end_effector: str
+    task: str
+    distance: float
+    in_contact: tuple[bool, bool, bool, bool]
+    desired_forces: Matrix
+    """(4, 3) [N]"""
+    positions: Matrix
+    """(4, 3) [m]"""
+    loads: Vector
+    """(4,) [N]"""
+    solver_failures: int
+    message: str
+
+
+class Controller:
+    """Retargeting, switching and elastic compensation around one robot's state."""
+
+    def __init__(
+        self, description: RobotDescription, parameters: Parameters | None = None
+    ) -> None:
+        self.parameters = parameters or Parameters()
+        self.description = description
+        self.model = build_model(description)
+        self.dt = description.period_ns * 1e-9
+        self.retargeting = Retargeting(self.model, self.parameters, self.dt)
+        self.requests = Requests(self.model.hand_radius)
+        self._initial = np.array(description.initial_position)
+        self._at_rest = Kinematics(self.model)
+        self._at_rest.update_frames(
+            standing_configuration(self.model, self._initial[self.model.joint_indices])
+        )
+        self._hands: Hands
+        self._switching: Switching
+        self._loads: LoadEstimator
+        self._started = False
+        self._stopped = False
+        self._events: list[Event] = []
+        self._measured = Measured(feet=np.zeros(2), hands=np.zeros((2, 3)))
+        self._command = self._initial.copy()
+        self._blend_from = self._initial.copy()
+        self._blend = 0.0
+        self._blend_time = self.parameters.motion.blend_time
+        self._tick = 0
+        self._message = ""
+
+    @property
+    def switching(self) -> Switching:
+        """Return the state machine of goals; exists after the first tick."""
+        return self._switching
+
+    def tick(self, state: RobotState) -> JointCommand:
+        """Answer one state.
+
+        Raises:
+            ControlError: at the first tick, where the robot's posture cannot stand.
+        """
+        self._tick = state.tick
+        if not self._started:
+            self._start(state)
+        if state.mode == "stopped":
+            return self._hold_stopped(state)
+        if self._stopped:
+            self._stopped = False
+            self._rejoin(state)
+        elif np.max(np.abs(state.command - self._command)) > FOREIGN_COMMAND:
+            self._rejoin(state)
+        self._begin_requests()
+        self._measured = self._loads.update(state)
+        self._events.extend(self._switching.step(self._measured))
+        self._hands.step()
+        scale = self._advance_blend()
+        solved = self.retargeting.tick(scale)
+        self._message = "" if solved else "no solution of the balance problem: the robot holds"
+        own = self._own_command()
+        command = own if scale >= 1.0 else self._blend_from + scale * (own - self._blend_from)
+        if np.isfinite(command).all():
+            self._command = command
+        self._publish_situation()
+        return JointCommand(tick=state.tick, position=self._command.copy())
+
+    def take_events(self) -> list[Event]:
+        """Return what happened to goals since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    def set_stale(self, stale: bool) -> None:
+        """Note that states stopped coming: goals are refused until they come again."""
+        situation = self.requests.situation
+        if situation.stale != stale:
+            self.requests.situation = Situation(
+                tick=situation.tick, ready=situation.ready, stopped=situation.stopped, stale=stale
+            )
+
+    def snapshot(self) -> Snapshot:
+        """Return what the controller does now."""
+        retargeting = self.retargeting
+        state, rotations = retargeting.state, retargeting.kinematics.rotations
+        goal = self._switching.goal if self._started else None
+        return Snapshot(
+            tick=self._tick,
+            phase=self._phase(),
+            goal_id=goal.goal_id if goal else "",
+            end_effector=goal.end_effector if goal else "",
+            task=goal.task if goal else "",
+            distance=self._switching.distance() if goal else -1.0,
+            in_contact=state.enabled,
+            desired_forces=np.stack([state.world_force(k, rotations) for k in range(4)]),
+            positions=retargeting.kinematics.positions.copy(),
+            loads=self._normal_loads(),
+            solver_failures=retargeting.failures,
+            message=self._message,
+        )
+
+    # --- start, stop and go on -------------------------------------------------------------------
+    def _start(self, state: RobotState) -> None:
+        """Take over a robot that stands, or that leans already."""
+        self._loads = LoadEstimator(self.model, self.dt)
+        measured = self._loads.update(state)
+        joints = state.position[self.model.joint_indices]
+        initial = self._initial[self.model.joint_indices]
+        supports = {}
+        for k in HANDS:
+            force = measured.hands[k - HANDS[0]]
+            if float(np.linalg.norm(force)) > LEANING_FORCE:
+                supports[k] = frame_from_normal(force)
+        fresh = not supports and float(np.max(np.abs(joints - initial))) < FRESH_POSTURE
+        self.retargeting.reset(initial if fresh else joints, supports)
+        self.retargeting.state.posture = initial.copy()
+        self._hands = Hands(self.retargeting, self._at_rest)
+        self._switching = Switching(self.retargeting, self._hands)
+        self._measured = measured
+        self._rejoin(state)
+        self._blend_time = self.parameters.motion.blend_time
+        self._started = True
+
+    def _rejoin(self, state: RobotState) -> None:
+        """Go on from the command in force, whoever gave it."""
+        self._blend_from = state.command.copy()
+        self._command = state.command.copy()
+        self._blend = 0.0
+        self._blend_time = 0.5 * self.parameters.motion.blend_time
+
+    def _hold_stopped(self, state: RobotState) -> JointCommand:
+        """Freeze: the driver holds its command; answer with it."""
+        if not self._stopped:
+            self._stopped = True
+            self._switching.abort("stopped by the operator")
+            for request in self.requests.clear():
+                self._events.append(_event(request, "aborted", "stopped by the operator"))
+            self._events.extend(self._switching.step(self._measured))
+        self._measured = self._loads.update(state)
+        self._command = state.command.copy()
+        self._message = "stopped by the operator; resume to go on"
+        self._publish_situation()
+        return JointCommand(tick=state.tick, position=self._command.copy())
+
+    def _advance_blend(self) -> float:
+        """Return the weight of our own command, 0 to 1, smooth at both ends."""
+        if self._blend < 1.0:
+            self._blend = min(self._blend + self.dt / self._blend_time, 1.0)
+        u = self._blend
+        return u * u * (3.0 - 2.0 * u)
+
+    # --- parts of a tick -------------------------------------------------------------------------
+    def _begin_requests(self) -> None:
+        for request in self.requests.due(self._tick):
+            conflict = self.requests.conflict(request.hand)
+            if conflict:
+                self._events.append(_event(request, "aborted", conflict))
+                continue
+            self._events.append(_event(request, "accepted"))
+            if request.goal is not None:
+                self._switching.place(request.goal)
+            else:
+                self._switching.release(request.goal_id, request.hand)
+            self._publish_situation()
+
+    def _own_command(self) -> Vector:
+        """Return the desired posture wound up by its torques (n,), in the order of the bus [rad]."""
+        state, model = self.retargeting.state, self.model
+        joints = state.q[7:] + self.parameters.motion.ahead_time * state.velocity[6:]
+        command = self._initial.copy()
+        command[model.joint_indices] = joints + state.torque / model.stiffness
+        return command
+
+    def _publish_situation(self) -> None:
+        switching, state = self._switching, self.retargeting.state
+        away = [
+            state.enabled[k]
+            or float(np.abs(self._hands.targets[k] - self._hands.rest[k]).max()) > AWAY
+            for k in HANDS
+        ]
+        self.requests.situation = Situation(
+            tick=self._tick,
+            ready=True,
+            stopped=self._stopped,
+            busy_id=switching.busy_with(),
+            busy_hand=switching.busy_hand(),
+            away=(away[0], away[1]),
+            enabled=state.enabled,
+        )
+
+    def _normal_loads(self) -> Vector:
+        """Return the measured normal forces (4,) [N]."""
+        loads = np.zeros(4)
+        loads[:2] = self._measured.feet
+        if self._started:
+            for k in HANDS:
+                loads[k] = self._switching.normal_load(k, self._measured)
+        return loads
+
+    def _phase(self) -> str:
+        if self._stopped:
+            return "stopped"
+        if not self._started or (self._blend < 1.0 and self._switching.phase == "hold"):
+            return "starting"
+        return self._switching.phase
+
+
+def _event(request: Request, state: str, reason: str = "") -> Event:
+    task = request.goal.task if request.goal is not None else "contact"
+    return Event(request.goal_id, request.hand, task, state, reason)  # type: ignore[arg-type]
+
+

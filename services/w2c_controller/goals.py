@@ -1,0 +1,104 @@
+"""What a goal must be before anything moves. Every refusal says the value, the limit, and what to do."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c.errors import GeometryError, GoalRefusedError
+from w2c.geometry import unit
+from w2c.messages import EndEffector, PlaceGoal, Task
+from w2c_controller.parameters import EFFECTORS, HANDS
+
+Vector = npt.NDArray[np.float64]
+
+FARTHEST = 2.0
+"""From the robot's axis [m]: no arm with any support gets there."""
+HIGHEST = 2.2
+"""[m]"""
+BODY_RADIUS = 0.18
+"""Of the cylinder around the robot's axis that is the robot itself [m]."""
+BEHIND = -0.1
+"""Points with a smaller x are behind the robot [m]."""
+DOWNWARD = -0.2
+"""A surface whose normal has a smaller z cannot be leaned on from above."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A goal that was checked."""
+
+    goal_id: str
+    end_effector: EndEffector
+    task: Task
+    point: Vector
+    """(3,) on the surface, in the world [m]"""
+    normal: Vector
+    """(3,) unit"""
+    target: Vector
+    """(3,) where the hand's frame is when the hand touches the point [m]"""
+
+    @property
+    def hand(self) -> int:
+        """Index of the end effector."""
+        return EFFECTORS.index(self.end_effector)
+
+
+def check_end_effector(name: str) -> int:
+    """Return the index of a hand. Raises GoalRefusedError for anything else."""
+    if name not in EFFECTORS:
+        raise GoalRefusedError(f"end effector '{name}' is unknown; choose left_hand or right_hand")
+    index = EFFECTORS.index(name)
+    if index not in HANDS:
+        raise GoalRefusedError(
+            f"the {name.replace('_', ' ')} carries the robot and stays where it is; "
+            "choose left_hand or right_hand"
+        )
+    return index
+
+
+def check_place(message: PlaceGoal, hand_radius: tuple[float, float]) -> Goal:
+    """Return the goal of a message. Raises GoalRefusedError with the reason."""
+    hand = check_end_effector(message.end_effector)
+    point = np.array(message.point, dtype=np.float64)
+    if point.shape != (3,) or not np.isfinite(point).all():
+        raise GoalRefusedError(f"point {message.point} is not three finite numbers [m]")
+    if message.task not in ("contact", "reach"):
+        raise GoalRefusedError(f"task '{message.task}' is unknown; choose contact or reach")
+    try:
+        normal = unit(message.normal)
+    except GeometryError as error:
+        raise GoalRefusedError(f"normal: {error}; give the direction out of the surface") from error
+    _check_point(point)
+    if message.task == "contact" and normal[2] < DOWNWARD:
+        raise GoalRefusedError(
+            f"the surface faces down (normal z {normal[2]:.2f}, limit {DOWNWARD}): a hand cannot lean on it"
+        )
+    return Goal(
+        goal_id=message.goal_id,
+        end_effector=message.end_effector,
+        task=message.task,
+        point=point,
+        normal=normal,
+        target=point + hand_radius[hand - HANDS[0]] * normal,
+    )
+
+
+def _check_point(point: Vector) -> None:
+    """Refuse points that no motion of the arms can mean."""
+    x, _, z = (float(value) for value in point)
+    from_axis = float(np.hypot(point[0], point[1]))
+    if z < 0.0:
+        raise GoalRefusedError(f"the point is {-z:.2f} m below the floor")
+    if z > HIGHEST:
+        raise GoalRefusedError(f"the point is {z:.2f} m high, limit {HIGHEST} m")
+    if from_axis < BODY_RADIUS:
+        raise GoalRefusedError(
+            f"the point is inside the robot: {from_axis:.2f} m from its axis, at least {BODY_RADIUS} m needed"
+        )
+    if x < BEHIND:
+        raise GoalRefusedError(f"the point is {-x:.2f} m behind the robot; the arms work in front of it")
+    if from_axis > FARTHEST:
+        raise GoalRefusedError(
+            f"the point is {from_axis:.2f} m away, limit {FARTHEST} m; bring the robot closer"
+        )

@@ -1,0 +1,72 @@
+"""How each hand's target becomes the target of the QP: one filter a hand, reset while it is in contact."""
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c_controller.filters import HandFilter
+from w2c_controller.model import Kinematics
+from w2c_controller.parameters import HANDS
+from w2c_controller.retargeting import Retargeting
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+
+
+class Hands:
+    """Targets and filters of both hands. A hand without a goal stays where its last one left it."""
+
+    def __init__(self, retargeting: Retargeting, at_rest: Kinematics) -> None:
+        """Start where the desired posture has the hands.
+
+        Args:
+            retargeting: Owns the desired posture.
+            at_rest: Of the posture that hands return to.
+        """
+        self._retargeting = retargeting
+        filters = retargeting.parameters.filters
+        kinematics = retargeting.kinematics
+        self.rest = {k: at_rest.positions[k].copy() for k in HANDS}
+        """(3,) where a released hand goes, in the world [m]"""
+        self.targets = {k: kinematics.positions[k].copy() for k in HANDS}
+        self._rotations = {k: at_rest.rotations[k].copy() for k in HANDS}
+        self._filters = {
+            k: HandFilter(
+                filters, retargeting.dt, kinematics.positions[k], kinematics.rotations[k]
+            )
+            for k in HANDS
+        }
+
+    def position(self, hand: int) -> Vector:
+        """Return where the desired posture has a hand (3,), a copy [m]."""
+        return self._retargeting.kinematics.positions[hand].copy()
+
+    def speed(self, hand: int) -> float:
+        """Return how fast the desired posture moves a hand [m/s]."""
+        jacobian = self._retargeting.kinematics.jacobians[hand, :3]
+        return float(np.linalg.norm(jacobian @ self._retargeting.state.velocity))
+
+    def stop(self, hand: int) -> None:
+        """Let a hand stay where it is."""
+        self.targets[hand] = self.position(hand)
+        self._reset(hand)
+
+    def step(self) -> None:
+        """Give the QP its targets of this tick."""
+        state = self._retargeting.state
+        kinematics = self._retargeting.kinematics
+        for k in HANDS:
+            if state.enabled[k]:
+                self._reset(k)
+                continue
+            self._filters[k].step(
+                self.targets[k],
+                self._rotations[k],
+                kinematics.positions[k],
+                kinematics.rotations[k],
+            )
+            state.target_positions[k] = self._filters[k].position
+            state.target_rotations[k] = self._filters[k].rotation
+
+    def _reset(self, hand: int) -> None:
+        kinematics = self._retargeting.kinematics
+        self._filters[hand].reset(kinematics.positions[hand], kinematics.rotations[hand])

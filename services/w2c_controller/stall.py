@@ -1,0 +1,35 @@
+"""Whether something that should move still does."""
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c_controller.parameters import Motion
+
+Vector = npt.NDArray[np.float64]
+
+
+class StallDetector:
+    """True once a position has moved less than `stall_distance` within `stall_time`."""
+
+    def __init__(self, motion: Motion, dt: float) -> None:
+        self._distance = motion.stall_distance
+        self._time = motion.stall_time
+        self._dt = dt
+        self.reset()
+
+    def reset(self) -> None:
+        """Start to watch anew."""
+        self._anchor: Vector | None = None
+        self._still = 0.0
+
+    def step(self, position: Vector) -> bool:
+        """Look at the position (3,) of this tick [m]."""
+        moved = self._anchor is None or (
+            float(np.linalg.norm(position - self._anchor)) > self._distance
+        )
+        if moved:
+            self._anchor = position.copy()
+            self._still = 0.0
+        else:
+            self._still += self._dt
+        return self._still >= self._time

@@ -1,0 +1,324 @@
+"""The states of a goal: approach, touch, load, contact; unload, retreat; reach.
+
+    contact:  hold -> approach -> touch -> load -> contact        a hand that leans stays a support
+    reach:    hold -> approach -> reach                           as close as balance allows
+    release:  contact -> unload -> retreat -> hold,   reach -> retreat -> hold
+
+A contact is enabled only by a measured touch, never in the air. Every phase that waits has a limit, and
+says why it gave up.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c.geometry import frame_from_normal
+from w2c_controller.goals import Goal
+from w2c_controller.hands import Hands
+from w2c_controller.parameters import EFFECTORS, HANDS, Motion
+from w2c_controller.retargeting import Retargeting
+from w2c_controller.sensing import Measured
+from w2c_controller.stall import StallDetector
+from w2c_controller.trajectory import Leg, Path, curved, straight
+
+Vector = npt.NDArray[np.float64]
+
+GoalPhase = Literal["hold", "approach", "touch", "load", "contact", "reach", "unload", "retreat"]
+EventState = Literal[
+    "accepted", "moving", "touched", "loaded", "reached", "unreachable", "released", "aborted"
+]
+
+SETTLE_TIME = 0.3
+"""Rest above the surface, where the force estimate is tared [s]."""
+SETTLE_DISTANCE = 0.015
+CONFIRM_TIME = 0.2
+"""How long a load must be measured [s]."""
+BUSY = ("approach", "touch", "load", "unload", "retreat")
+
+
+@dataclass(frozen=True)
+class Event:
+    """A goal changed its state."""
+
+    goal_id: str
+    hand: int
+    task: str
+    state: EventState
+    reason: str = ""
+    distance: float = -1.0
+
+
+class Switching:
+    """One goal at a time; hands that lean, or hold a reached point, stay as they are meanwhile."""
+
+    def __init__(self, retargeting: Retargeting, hands: Hands) -> None:
+        self.phase: GoalPhase = "hold"
+        self.goal: Goal | None = None
+        self.releasing_id = ""
+        """Id of the release that is under way."""
+        self._retargeting = retargeting
+        self._hands = hands
+        self._motion: Motion = retargeting.parameters.motion
+        self._lead = retargeting.parameters.filters.lead_position
+        self._dt = retargeting.dt
+        self._hand = HANDS[0]
+        self._normals = {k: np.array([0.0, 0.0, 1.0]) for k in HANDS}
+        self._path: Path | None = None
+        self._next: Goal | None = None
+        self._elapsed = 0.0
+        self._settled = 0.0
+        self._tare = {k: np.zeros(3) for k in HANDS}
+        self._stall = StallDetector(self._motion, self._dt)
+        self._reported: set[EventState] = set()
+        self._events: list[Event] = []
+        self._steps: dict[GoalPhase, Callable[[Measured], None]] = {
+            "approach": self._approach,
+            "touch": self._touch,
+            "load": self._load,
+            "reach": self._reach,
+            "unload": self._unload,
+            "retreat": self._retreat,
+        }
+
+    def busy_with(self) -> str:
+        """Return the id of the goal that must end before another hand may get one; "" = none."""
+        if self.phase not in BUSY:
+            return ""
+        return self.goal.goal_id if self.goal else self.releasing_id or "the retreat of a hand"
+
+    def busy_hand(self) -> int:
+        """Return the hand of the goal under way."""
+        return self._hand
+
+    def place(self, goal: Goal) -> None:
+        """Begin a goal; its hand leaves its support first where it has one."""
+        if self._retargeting.state.enabled[goal.hand]:
+            self._begin_unload(goal.hand)
+            self._next = goal
+        else:
+            self._begin_approach(goal)
+
+    def release(self, goal_id: str, hand: int) -> None:
+        """Take a hand off, and bring it back to where it was at the start."""
+        self.goal, self._next = None, None
+        self.releasing_id = goal_id
+        if self._retargeting.state.enabled[hand]:
+            self._begin_unload(hand)
+        else:
+            self._begin_retreat(hand)
+
+    def abort(self, reason: str) -> None:
+        """End the goal under way; hands stay where they are. For stop."""
+        if self.phase in BUSY or self.phase == "reach":
+            self._emit("aborted", reason)
+        for k in HANDS:
+            self._retargeting.keep(k)
+            self._hands.stop(k)
+        self._next, self._path = None, None
+        self._enter("hold")
+
+    def step(self, measured: Measured) -> list[Event]:
+        """Advance by one tick; returns what changed."""
+        self._elapsed += self._dt
+        action = self._steps.get(self.phase)
+        if action is not None:
+            action(measured)
+        events, self._events = self._events, []
+        return events
+
+    def distance(self) -> float:
+        """Return what is left between hand and target [m]; -1 without a goal."""
+        if self.goal is None:
+            return -1.0
+        return float(np.linalg.norm(self._hands.position(self.goal.hand) - self.goal.target))
+
+    def normal_load(self, hand: int, measured: Measured) -> float:
+        """Return the measured normal force on a hand [N], without what it read in the air."""
+        force = measured.hands[hand - HANDS[0]] - self._tare[hand]
+        return float(self._normals[hand] @ force)
+
+    # --- beginnings ------------------------------------------------------------------------------
+    def _begin_approach(self, goal: Goal) -> None:
+        self.goal, self._hand, self.releasing_id = goal, goal.hand, ""
+        self._next = None
+        self._normals[goal.hand] = goal.normal
+        self._tare[goal.hand] = np.zeros(3)
+        self._reported.clear()
+        motion = self._motion
+        via = goal.target + motion.via_height * goal.normal
+        first = curved(self._hands.position(goal.hand), via, goal.normal, motion.speed)
+        if goal.task == "contact":
+            end = goal.target - motion.overtravel * goal.normal
+            second = straight(via, end, motion.touch_speed)
+        else:
+            end = goal.target + motion.reach_standoff * goal.normal
+            second = straight(via, end, motion.speed)
+        self._travel("approach", first, second)
+        self._emit("moving")
+
+    def _begin_unload(self, hand: int) -> None:
+        self._hand = hand
+        self._retargeting.release(hand)
+        self._enter("unload")
+
+    def _begin_retreat(self, hand: int) -> None:
+        self._hand = hand
+        start = self._hands.position(hand)
+        lift = start + self._motion.retreat_height * self._normals[hand]
+        away = straight(start, lift, self._motion.speed)
+        up = np.array([0.0, 0.0, 1.0])
+        self._travel("retreat", away, curved(lift, self._hands.rest[hand], up, self._motion.speed))
+
+    def _travel(self, phase: GoalPhase, *legs: Leg) -> None:
+        self._path = Path(legs)
+        self._hands.targets[self._hand] = self._path.position()
+        self._enter(phase)
+
+    def _enter(self, phase: GoalPhase) -> None:
+        self.phase = phase
+        self._elapsed = 0.0
+        self._settled = 0.0
+        self._stall.reset()
+
+    # --- phases ----------------------------------------------------------------------------------
+    def _follow(self) -> bool:
+        """Advance the path while the hand keeps up. Returns whether the hand is stuck."""
+        path, hand = self._path, self._hand
+        if path is None:
+            raise RuntimeError(f"phase {self.phase} has no path")
+        position = self._hands.position(hand)
+        if float(np.linalg.norm(path.position() - position)) < self._lead:
+            path.advance(self._dt)
+            self._stall.reset()
+        self._hands.targets[hand] = path.position()
+        return self._stall.step(position)
+
+    def _approach(self, _: Measured) -> None:
+        goal, path = self._require_goal(), self._require_path()
+        stuck = self._follow()
+        if goal.task == "reach":
+            if stuck:
+                # The way over the surface is out of reach; the point itself may not be.
+                path.next_leg()
+                self._stall.reset()
+            if path.leg > 0 and (path.finished or stuck):
+                self._hands.targets[self._hand] = path.end
+                self._enter("reach")
+            return
+        if path.leg > 0:
+            self._hands.targets[self._hand] = path.legs[0].position(path.legs[0].duration)
+            self._enter("touch")
+        elif stuck or self._elapsed > self._motion.approach_timeout:
+            self._give_up(unreachable=True)
+
+    def _touch(self, measured: Measured) -> None:
+        """Rest above the surface and tare, then go down until the surface stops the hand."""
+        path, hand = self._require_path(), self._hand
+        above = path.legs[1].points[0]
+        if self._settled < SETTLE_TIME:
+            near = float(np.linalg.norm(self._hands.position(hand) - above)) < SETTLE_DISTANCE
+            self._settled = self._settled + self._dt if near else 0.0
+            self._tare[hand] = measured.hands[hand - HANDS[0]].copy()
+            if self._elapsed > self._motion.stall_time + SETTLE_TIME:
+                self._give_up(unreachable=True)
+            return
+        stuck = self._follow()
+        force = self.normal_load(hand, measured)
+        if force > self._motion.touch_force:
+            self._retargeting.enable(hand, frame_from_normal(self._normals[hand]))
+            self._hands.stop(hand)
+            self._emit("touched", f"measured {force:.0f} N")
+            self._enter("load")
+        elif stuck:
+            self._give_up(unreachable=True)
+        elif path.finished:
+            depth = 100 * self._motion.overtravel
+            self._give_up(f"no surface down to {depth:.0f} cm below the point: nothing to lean on")
+
+    def _load(self, measured: Measured) -> None:
+        force = self.normal_load(self._hand, measured)
+        confirmed = force > self._motion.load_confirmed and self._retargeting.loaded(self._hand)
+        self._settled = self._settled + self._dt if confirmed else 0.0
+        if self._settled >= CONFIRM_TIME:
+            self._emit("loaded", f"measured {force:.0f} N")
+            self._enter("contact")
+        elif self._elapsed > self._motion.load_timeout:
+            desired = float(self._retargeting.state.wrenches[self._hand, 2])
+            self._emit(
+                "aborted",
+                f"the hand did not take load within {self._motion.load_timeout:.0f} s: "
+                f"desired {desired:.0f} N, measured {force:.0f} N",
+            )
+            self.goal = None
+            self._begin_unload(self._hand)
+
+    def _reach(self, _: Measured) -> None:
+        distance, motion = self.distance(), self._motion
+        if distance < motion.reached_distance:
+            if self._hands.speed(self._hand) < motion.reached_speed:
+                self._emit_once("reached", distance=distance)
+        elif self._stall.step(self._hands.position(self._hand)):
+            self._emit_once(
+                "unreachable",
+                f"balance or the arm's length ends {100 * distance:.1f} cm short of the point",
+                distance,
+            )
+
+    def _unload(self, _: Measured) -> None:
+        if not self._retargeting.state.enabled[self._hand]:
+            self._hands.stop(self._hand)
+            self._begin_retreat(self._hand)
+        elif self._elapsed > self._motion.unload_timeout:
+            left = float(self._retargeting.state.wrenches[self._hand, 2])
+            self._retargeting.keep(self._hand)
+            reason = f"{left:.0f} N cannot be taken off this hand: the other contacts cannot carry it"
+            self._emit("aborted", reason)
+            self.goal, self._next, self.releasing_id = None, None, ""
+            self._enter("hold")
+
+    def _retreat(self, _: Measured) -> None:
+        path = self._require_path()
+        stuck = self._follow()
+        if path.leg > 0 and self._next is not None:
+            self._begin_approach(self._next)
+        elif path.finished or stuck:
+            self._hands.targets[self._hand] = path.end
+            if self.releasing_id:
+                self._emit("released")
+            self.goal, self.releasing_id = None, ""
+            self._enter("hold")
+
+    # --- ends ------------------------------------------------------------------------------------
+    def _give_up(self, reason: str = "", *, unreachable: bool = False) -> None:
+        """End a contact goal that found no contact, and bring the hand back."""
+        distance = self.distance()
+        if unreachable:
+            reason = f"balance or the arm's length ends {100 * distance:.1f} cm short of the point"
+            self._emit("unreachable", reason, distance)
+        self._emit("aborted", reason, distance)
+        self.goal = None
+        self._begin_retreat(self._hand)
+
+    def _emit_once(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
+        if state not in self._reported:
+            self._reported.add(state)
+            self._emit(state, reason, distance)
+
+    def _emit(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
+        goal = self.goal if self.goal is not None else self._next
+        goal_id = goal.goal_id if goal is not None else self.releasing_id
+        task = goal.task if goal is not None else "contact"
+        self._events.append(Event(goal_id, self._hand, task, state, reason, distance))
+
+    def _require_goal(self) -> Goal:
+        if self.goal is None:
+            raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._hand]} has no goal")
+        return self.goal
+
+    def _require_path(self) -> Path:
+        if self._path is None:
+            raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._hand]} has no path")
+        return self._path
