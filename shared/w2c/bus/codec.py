@@ -4,6 +4,7 @@ msgpack makes the bytes, msgspec validates into the structs on arrival.
 Arrays are one msgpack extension type: dtype, shape, little-endian bytes. Images are bytes fields.
 """
 
+import math
 import struct
 from typing import Any, TypeVar
 
@@ -75,9 +76,7 @@ def _unpack_array(payload: bytes) -> Array:
     if name not in _DTYPES:
         raise ValueError(f"array dtype '{name}' is not one of {sorted(_DTYPES)}")
     dtype = np.dtype(name)
-    expected = (
-        int(np.prod(shape, dtype=np.int64)) * dtype.itemsize if dimensions else dtype.itemsize
-    )
+    expected = math.prod(shape) * dtype.itemsize
     if len(payload) - data_start != expected:
         raise ValueError(
             f"array {shape} of {name} needs {expected} bytes, got {len(payload) - data_start}"
@@ -131,7 +130,9 @@ def _unpack(payload: bytes, limit: int) -> Any:
 def decode_envelope(payload: bytes, limit: int = MAX_BYTES) -> Envelope:
     """Return the envelope; its data is not validated yet. Raises MessageError."""
     try:
-        envelope = msgspec.convert(_unpack(payload, limit), Envelope, dec_hook=_convert_unknown)
+        envelope = msgspec.convert(
+            _unpack(payload, limit), Envelope, builtin_types=(bytes,), dec_hook=_convert_unknown
+        )
     except msgspec.ValidationError as error:
         raise MessageError(f"not an envelope: {error}") from error
     if envelope.version != ENVELOPE_VERSION:
@@ -145,7 +146,9 @@ def decode_envelope(payload: bytes, limit: int = MAX_BYTES) -> Envelope:
 def validate(data: Any, message_type: type[M]) -> M:
     """Return the struct of a decoded map. Raises MessageError with the offending path."""
     try:
-        return msgspec.convert(data, message_type, dec_hook=_convert_unknown)
+        return msgspec.convert(
+            data, message_type, builtin_types=(bytes,), dec_hook=_convert_unknown
+        )
     except (msgspec.ValidationError, TypeError) as error:
         raise MessageError(f"not a {message_type.__name__}: {error}") from error
 

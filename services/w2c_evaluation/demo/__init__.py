@@ -1,0 +1,1 @@
+"""Scenario (a) of the paper, from the first word to the reached cup."""
