@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+
 from w2c.bus.codec import (
     ARRAY_EXTENSION,
     Envelope,
@@ -22,7 +23,7 @@ DTYPES = st.sampled_from(["<f8", "<f4", "<i8", "<i4", "<u2", "|u1", "|b1"])
 
 
 @given(hnp.arrays(DTYPES, hnp.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=4)))
-def test_arrays_survive_the_wire_bit_by_bit(array: np.ndarray) -> None:  # type: ignore[type-arg]
+def test_arrays_survive_the_wire_bit_by_bit(array: np.ndarray) -> None:
     again = _unpack_array(_pack_array(array).data)
     assert again.dtype == array.dtype
     assert again.shape == array.shape

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from support.examples import all_examples
 from w2c import messages as m
 from w2c import topics
 from w2c.bus.codec import decode_message, encode_message
 from w2c.errors import MessageError
-
-from support.examples import all_examples
 
 GOLDEN = Path(__file__).parents[2] / "data" / "golden_messages.json"
 EXAMPLES = all_examples()
@@ -52,6 +52,7 @@ def refused(message: m.Message, **changes: object) -> str:
     """Return the error of the message with these fields changed on the wire."""
     fields = {name: getattr(message, name) for name in message.__struct_fields__}
     import msgpack
+
     from w2c.bus.codec import _pack_default
 
     payload = msgpack.packb({**fields, **changes}, default=_pack_default)
