@@ -67,7 +67,8 @@ class LossCounter:
         first = max(stream.next_sequence, sequence - MAX_MISSING)
         stream.lost += first - stream.next_sequence
         stream.missing.update(range(first, sequence))
-        surplus = len(stream.missing) - MAX_MISSING
-        if surplus > 0:
+        if len(stream.missing) > MAX_MISSING:
+            # Down to half, so that a stream that keeps losing is not sorted at every message.
+            surplus = len(stream.missing) - MAX_MISSING // 2
             stream.missing.difference_update(sorted(stream.missing)[:surplus])
             stream.lost += surplus

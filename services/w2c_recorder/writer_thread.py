@@ -51,11 +51,13 @@ class WriterThread:
         new_file: Callable[[Path], McapFile],
         *,
         minimum_free_bytes: int = 0,
+        free_bytes: Callable[[Path], int] = lambda directory: shutil.disk_usage(directory).free,
         wall_minus_monotonic_ns: Callable[[], int] = lambda: time.time_ns() - time.monotonic_ns(),
     ) -> None:
         self._messages = messages
         self._new_file = new_file
         self._minimum_free_bytes = minimum_free_bytes
+        self._free_bytes = free_bytes
         self._wall_minus_monotonic_ns = wall_minus_monotonic_ns
         self._offset_ns = 0
         self._file: McapFile | None = None
@@ -206,7 +208,7 @@ class WriterThread:
     def _check_space(self, path: Path) -> None:
         """Raise RecordingError before the disk is so full that other processes suffer."""
         try:
-            free = shutil.disk_usage(path.parent).free
+            free = self._free_bytes(path.parent)
         except OSError as error:
             raise RecordingError(f"{path.parent} cannot be written: {error.strerror}") from error
         if free < self._minimum_free_bytes:

@@ -1,0 +1,109 @@
+"""The verbs print what they find and exit as the others do."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from support.recordings import MARK_KEY, raw_mark, write_recording
+from w2c.errors import ConfigError, RecordingError
+from w2c.messages import RecorderStatus
+from w2c_recorder.commands import describe_status, record, recording
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "session.mcap"
+    write_recording(path, [raw_mark("it wobbled", 0, 10**9), raw_mark("again", 3, 2 * 10**9)])
+    return path
+
+
+def test_info_prints_channels_and_losses(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert recording(["info", str(file)]) == 0
+
+    printed = capsys.readouterr().out
+    (row,) = [line for line in printed.splitlines() if line.startswith(MARK_KEY)]
+    assert row.split()[1:] == ["MarkRequest", "2", "1.0", "1000.0", "2"]
+    assert "1.0 s" in printed
+
+
+def test_info_writes_the_same_as_json(file: Path, tmp_path: Path) -> None:
+    recording(["info", str(file), "--json", str(tmp_path / "info.json")])
+    values = json.loads((tmp_path / "info.json").read_text())
+
+    assert values["messages"] == 2
+    assert values["complete"] is True
+    assert values["channels"][0]["lost"] == 2
+    assert values["channels"][0]["rate_hz"] == 1.0
+
+
+def test_timeline_prints_the_story(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert recording(["timeline", str(file), "--json", str(tmp_path / "story.json")]) == 0
+
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(maxsplit=2) for line in lines] == [
+        ["0:00.000", "mark", "it wobbled"],
+        ["0:01.000", "mark", "again"],
+    ]
+    entries = json.loads((tmp_path / "story.json").read_text())["entries"]
+    assert entries[1] == {"seconds": 1.0, "actor": "mark", "text": "again"}
+
+
+def test_an_unclosed_file_is_shown_and_called_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "session.mcap"
+    write_recording(path, [raw_mark("a")], close=False)
+
+    assert recording(["info", str(path)]) == 0
+    assert "DAMAGED: not closed" in capsys.readouterr().out
+    assert recording(["timeline", str(path)]) == 0
+    assert "was not closed" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("action", ["info", "timeline"])
+def test_a_foreign_file_is_an_error(tmp_path: Path, action: str) -> None:
+    path = tmp_path / "notes.mcap"
+    path.write_text("these are notes and no recording")
+
+    with pytest.raises(RecordingError, match="not an MCAP file"):
+        recording([action, str(path)])
+
+
+def test_json_that_cannot_be_written_is_a_usage_error(file: Path, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="cannot be written"):
+        recording(["info", str(file), "--json", str(tmp_path / "no" / "info.json")])
+
+
+@pytest.mark.parametrize("arguments", [[], ["replay", "x"], ["info"]])
+def test_recording_without_a_known_action_is_a_usage_error(arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        recording(arguments)
+    assert exit_info.value.code == 2
+
+
+@pytest.mark.parametrize("arguments", [[], ["pause"], ["mark"], ["mark", "--robot", "x"]])
+def test_record_without_a_known_action_says_what_there_is(arguments: list[str]) -> None:
+    with pytest.raises(ConfigError, match="choose one of: start"):
+        record(arguments)
+
+
+def test_a_mark_has_a_bounded_text() -> None:
+    with pytest.raises(ConfigError, match="1 to 1000 characters, this one 1001"):
+        record(["mark", "x" * 1001])
+
+
+def test_the_status_tells_losses_and_why_it_stopped() -> None:
+    status = RecorderStatus(
+        stamp_ns=0, recording=False, path="runs/a.mcap", messages=3, bytes=2_000_000,
+        lost={"k": 4}, error="disk full",
+    )  # fmt: skip
+
+    assert describe_status(status).splitlines() == [
+        "not recording; last file: runs/a.mcap",
+        "3 messages, 2.0 MB",
+        "lost 4 of k",
+        "stopped by itself: disk full",
+    ]
