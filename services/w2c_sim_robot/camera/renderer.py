@@ -62,7 +62,9 @@ class Renderer:
         width, height = self._size(size)
         scale = SUPERSAMPLING if antialiasing else 1
         flags = {mujoco.mjtRndFlag.mjRND_SHADOW: shadows}
-        rgb, depth = self._render(data, camera, (scale * width, scale * height), hidden_groups, flags)
+        rgb, depth = self._render(
+            data, camera, (scale * width, scale * height), hidden_groups, flags
+        )
         if antialiasing:
             rgb = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_AREA).astype(np.uint8)
             # The mean of two depths lies in the air between two surfaces: take one of them.

@@ -1,0 +1,149 @@
+"""The camera on the bus: the simulator's truth in, pictures out.
+
+OpenGL belongs to one thread, so calls are handed to the loop that draws the stream.
+"""
+
+import logging
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from pathlib import Path
+from queue import Empty as QueueEmpty
+from queue import SimpleQueue
+
+from w2c import topics
+from w2c.bus import Bus, CallContext, Received
+from w2c.clock import Clock
+from w2c.errors import ConfigError, DeadlineError, RefusedError
+from w2c.messages import CameraFrame, CaptureRequest, Message, Picture, PictureRequest, Truth
+from w2c_sim_robot.camera.config import CameraConfig
+from w2c_sim_robot.camera.studio import Studio
+from w2c_sim_robot.scenes import scene as scenes
+
+log = logging.getLogger("w2c.camera")
+
+_POLL_S = 0.2
+Job = tuple["Future[Message]", Callable[[Studio, int], Message]]
+
+
+class CameraNode:
+    """Draws the newest truth at a steady rate, and whenever it is asked."""
+
+    def __init__(self, config: CameraConfig, bus: Bus, clock: Clock) -> None:
+        self._config = config
+        self._bus = bus
+        self._clock = clock
+        self._jobs: SimpleQueue[Job] = SimpleQueue()
+        self._studio: Studio | None = None
+        self._mismatch = ""
+
+    def configure(self) -> None:
+        """Build the robot's model with the scene, and answer who asks for pictures."""
+        scene = scenes.load(Path(self._config.scene)) if self._config.scene else None
+        self._studio = Studio(scene)
+        self._truth = self._bus.latest(topics.TRUTH)
+        self._bus.serve(topics.CAPTURE, self._capture)
+        self._bus.serve(topics.PICTURE, self._picture)
+
+    def run(self, stop: threading.Event) -> None:
+        """Draw until `stop`."""
+        period_ns = round(1e9 / self._config.rate)
+        next_ns = self._clock.now_ns()
+        while not stop.is_set():
+            remaining_s = (next_ns - self._clock.now_ns()) * 1e-9
+            if remaining_s > 0:
+                self._do_jobs(min(remaining_s, _POLL_S))
+                continue
+            received = self._truth.wait(_POLL_S)
+            if received is not None:
+                self._publish(received)
+                # From now, not from the last deadline: a camera that is late does not hurry after.
+                next_ns = self._clock.now_ns() + period_ns
+            self._do_jobs(0.0)
+
+    def close(self) -> None:
+        """Free the graphics context."""
+        if self._studio is not None:
+            self._studio.close()
+
+    def _publish(self, received: Received[Truth]) -> None:
+        """Draw the stream's next picture: no shadows, no antialiasing, they cost five times as much."""
+        try:
+            self._pose(received.message)
+        except ConfigError as error:
+            # Said once, counted always: a picture of another scene would be a lie.
+            self._bus.count("truth of another model")
+            if str(error) != self._mismatch:
+                log.error("%s", error)
+            self._mismatch = str(error)
+            return
+        self._mismatch = ""
+        frame = self._ready().frame(received.message.stamp_ns)
+        self._bus.publish(topics.CAMERA_FRAME, frame, [received.as_input()])
+
+    def _pose(self, truth: Truth) -> None:
+        self._ready().pose(truth.generalized_position)
+
+    def _ready(self) -> Studio:
+        if self._studio is None:
+            raise RefusedError("the camera is not configured yet; ask again when it is ready")
+        return self._studio
+
+    def _do_jobs(self, timeout_s: float) -> None:
+        """Do the first call that arrives within the time-out, and those that wait by then."""
+        try:
+            result, draw = (
+                self._jobs.get(timeout=timeout_s) if timeout_s > 0 else self._jobs.get_nowait()
+            )
+        except QueueEmpty:
+            return
+        if not result.set_running_or_notify_cancel():
+            return
+        try:
+            result.set_result(self._answer(draw))
+        except Exception as error:  # noqa: BLE001  # handed to the caller's thread, not swallowed
+            result.set_exception(error)
+
+    def _answer(self, draw: Callable[[Studio, int], Message]) -> Message:
+        newest = self._truth.last()
+        if newest is None:
+            raise RefusedError(
+                "the robot has not said yet where it is; start `w2c robot` and ask again"
+            )
+        try:
+            self._pose(newest.message)
+        except ConfigError as error:
+            raise RefusedError(str(error)) from error
+        return draw(self._ready(), newest.message.stamp_ns)
+
+    def _ask(self, draw: Callable[[Studio, int], Message], timeout_s: float) -> Message:
+        """Let the drawing loop do it, and wait for the result."""
+        result: Future[Message] = Future()
+        self._jobs.put((result, draw))
+        try:
+            return result.result(timeout_s)
+        except FutureTimeoutError as error:
+            result.cancel()
+            raise DeadlineError(f"no picture within {timeout_s:g} s; the camera is busy") from error
+
+    def _capture(self, request: CaptureRequest, _context: CallContext) -> CameraFrame:
+        """Return a picture of the head camera; it goes on the stream too, for perception to know it."""
+        frame = self._ask(
+            lambda studio, stamp_ns: studio.frame(
+                stamp_ns, shadows=request.shadows, antialiasing=request.antialiasing
+            ),
+            topics.CAPTURE.timeout_s,
+        )
+        if not isinstance(frame, CameraFrame):
+            raise TypeError(f"a capture gave {type(frame).__name__}")
+        self._bus.publish(topics.CAMERA_FRAME, frame)
+        return frame
+
+    def _picture(self, request: PictureRequest, _context: CallContext) -> Picture:
+        picture = self._ask(
+            lambda studio, stamp_ns: studio.picture(stamp_ns, request), topics.PICTURE.timeout_s
+        )
+        if not isinstance(picture, Picture):
+            raise TypeError(f"a picture gave {type(picture).__name__}")
+        return picture

@@ -1,0 +1,106 @@
+"""Turns what the simulator knows into camera messages. Knows nothing of the bus."""
+
+import cv2
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from w2c.depth import DEPTH_UNIT, encode_depth
+from w2c.errors import ConfigError
+from w2c.geometry import Intrinsics, intrinsics_from_fov
+from w2c.messages import Array, CameraFrame, Picture, PictureRequest
+from w2c_sim_robot import talos
+from w2c_sim_robot.camera.renderer import Renderer
+from w2c_sim_robot.model import (
+    CAMERA_FOVY_DEG,
+    CAMERA_SIZE,
+    HEAD_CAMERA,
+    HEAD_SHELL_GROUP,
+    build_model,
+)
+from w2c_sim_robot.scenes.scene import Scene
+
+JPEG_QUALITY = 95
+_LARGEST_PICTURE = (1920, 1080)
+
+
+class Studio:
+    """The model of robot and scene, drawn in the state the simulator reports.
+
+    Belongs to the thread that made it.
+    """
+
+    def __init__(self, scene: Scene | None) -> None:
+        self.model = build_model(scene)
+        self._data = mujoco.MjData(self.model)
+        self._renderer = Renderer(self.model, *_LARGEST_PICTURE)
+
+    @property
+    def intrinsics(self) -> Intrinsics:
+        """Return those of the head camera."""
+        return intrinsics_from_fov(*CAMERA_SIZE, float(np.radians(CAMERA_FOVY_DEG)))
+
+    def pose(self, generalized_position: Array) -> None:
+        """Put everything where the simulator has it.
+
+        Raises:
+            ConfigError: the simulator has another model, so another scene.
+        """
+        if generalized_position.shape != (self.model.nq,):
+            raise ConfigError(
+                f"the robot reports {generalized_position.shape[0]} coordinates, this camera's model has "
+                f"{self.model.nq}: start both with the same --scene"
+            )
+        self._data.qpos[:] = generalized_position
+        mujoco.mj_kinematics(self.model, self._data)
+        mujoco.mj_comPos(self.model, self._data)
+        mujoco.mj_camlight(self.model, self._data)
+
+    def frame(
+        self, stamp_ns: int, *, shadows: bool = False, antialiasing: bool = False
+    ) -> CameraFrame:
+        """Return what the head camera sees. Its own shell is not drawn: it would hide a third."""
+        image = self._renderer.draw(
+            self._data,
+            HEAD_CAMERA,
+            size=CAMERA_SIZE,
+            hidden_groups=(HEAD_SHELL_GROUP,),
+            shadows=shadows,
+            antialiasing=antialiasing,
+        )
+        intrinsics = self.intrinsics
+        return CameraFrame(
+            stamp_ns=stamp_ns,
+            frame=talos.CAMERA_FRAME,
+            width=CAMERA_SIZE[0],
+            height=CAMERA_SIZE[1],
+            intrinsics=(intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy),
+            jpeg=jpeg(image.rgb),
+            depth=encode_depth(image.depth),
+            depth_unit=DEPTH_UNIT,
+        )
+
+    def picture(self, stamp_ns: int, request: PictureRequest) -> Picture:
+        """Return a picture of the robot from outside, at its best."""
+        image = self._renderer.draw(
+            self._data,
+            request.view,
+            size=(request.width, request.height),
+            shadows=True,
+            antialiasing=True,
+        )
+        return Picture(stamp_ns=stamp_ns, jpeg=jpeg(image.rgb))
+
+    def close(self) -> None:
+        """Free the graphics context. Idempotent."""
+        self._renderer.close()
+
+
+def jpeg(rgb: npt.NDArray[np.uint8]) -> bytes:
+    """Return the JPEG of a picture (h, w, 3)."""
+    done, encoded = cv2.imencode(
+        ".jpg", cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+    )
+    if not done:
+        raise ValueError(f"no JPEG of a picture of shape {rgb.shape}")
+    return encoded.tobytes()

@@ -1,0 +1,47 @@
+"""Depth pictures on the wire: zstd of little-endian uint16 [v, u], z-depth in units, 0 = unknown."""
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c.errors import MessageError
+
+DEPTH_UNIT = 0.00025
+"""[m]; 16 bits then reach 16.4 m."""
+_LEVEL = 1
+_MAX_PIXELS = 8192 * 8192
+
+
+def encode_depth(depth: npt.NDArray[np.float32], unit: float = DEPTH_UNIT) -> bytes:
+    """Return the bytes of z-depths (h, w) [m]; what is not finite, not positive or too far is unknown."""
+    import zstandard
+
+    scaled = np.nan_to_num(depth / np.float32(unit), nan=0.0, posinf=0.0, neginf=0.0)
+    known = (scaled >= 0.5) & (scaled < 65535.5)
+    units = np.where(known, np.rint(scaled), 0).astype("<u2")
+    return bytes(zstandard.ZstdCompressor(level=_LEVEL).compress(units.tobytes()))
+
+
+def decode_depth(
+    encoded: bytes, width: int, height: int, unit: float = DEPTH_UNIT
+) -> npt.NDArray[np.float32]:
+    """Return z-depths (h, w) [m], 0 = unknown.
+
+    Raises:
+        MessageError: the bytes are not a depth picture of this size. Nothing larger is unpacked.
+    """
+    import zstandard
+
+    expected = 2 * width * height
+    if not 0 < width * height <= _MAX_PIXELS:
+        raise MessageError(f"depth of {width}x{height} px, expected 1 to {_MAX_PIXELS} px in all")
+    try:
+        declared = zstandard.get_frame_parameters(encoded).content_size
+        if declared != expected:
+            raise MessageError(
+                f"depth unpacks to {declared} bytes, expected {expected} for {width}x{height} px"
+            )
+        raw = zstandard.ZstdDecompressor().decompress(encoded, max_output_size=expected)
+    except zstandard.ZstdError as error:
+        raise MessageError(f"depth is not zstd: {error}") from error
+    units = np.frombuffer(raw, dtype="<u2").reshape(height, width)
+    return np.asarray(units * np.float32(unit), dtype=np.float32)

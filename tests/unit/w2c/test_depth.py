@@ -1,0 +1,42 @@
+"""Depth pictures on the wire."""
+
+import numpy as np
+import pytest
+import zstandard
+
+from w2c.depth import DEPTH_UNIT, decode_depth, encode_depth
+from w2c.errors import MessageError
+
+
+def test_round_trip_keeps_depth_within_half_a_unit() -> None:
+    depth = np.random.default_rng(0).uniform(0.1, 16.0, (36, 64)).astype(np.float32)
+
+    back = decode_depth(encode_depth(depth), 64, 36)
+
+    assert back.dtype == np.float32
+    assert np.abs(back - depth).max() <= 0.5 * DEPTH_UNIT + 1e-6
+
+
+def test_what_cannot_be_measured_is_unknown() -> None:
+    depth = np.array([[0.0, -1.0, np.nan, np.inf, 17.0, 1.0]], dtype=np.float32)
+
+    assert decode_depth(encode_depth(depth), 6, 1).tolist() == [[0, 0, 0, 0, 0, 1.0]]
+
+
+def test_another_size_is_refused() -> None:
+    encoded = encode_depth(np.ones((4, 8), np.float32))
+
+    with pytest.raises(MessageError, match="64 bytes, expected 72"):
+        decode_depth(encoded, 9, 4)
+
+
+def test_bytes_that_are_no_depth_are_refused() -> None:
+    with pytest.raises(MessageError, match="not zstd"):
+        decode_depth(b"nonsense", 8, 4)
+
+
+def test_a_bomb_is_not_unpacked() -> None:
+    bomb = zstandard.ZstdCompressor().compress(bytes(50_000_000))
+
+    with pytest.raises(MessageError, match="50000000 bytes"):
+        decode_depth(bomb, 8, 4)
