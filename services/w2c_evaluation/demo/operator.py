@@ -20,7 +20,6 @@ from w2c.messages import (
     Truth,
     Turn,
 )
-
 from w2c_evaluation.demo.scenario import Line
 
 FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}

@@ -1,4 +1,4 @@
-"""One run of the scenario: a layout, a private system, the operator's lines, pictures, a summary."""
+"""One run of the scenario: layout, private system, operator's lines, pictures, summary."""
 
 import logging
 from dataclasses import dataclass
@@ -10,7 +10,6 @@ from w2c.bus.zenoh_bus import connect
 from w2c.config import ServiceConfig
 from w2c.errors import W2CError
 from w2c.messages import Empty
-
 from w2c_evaluation.demo.layout import draw_layout
 from w2c_evaluation.demo.operator import LineResult, Operator, ScenarioError
 from w2c_evaluation.demo.picture import draw_target

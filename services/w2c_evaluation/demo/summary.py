@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from w2c.messages import ControllerStatus
-
 from w2c_evaluation.demo.operator import LineResult
 
 LATENESS = {"p50": "p50", "p99": "p99", "max": "max", "gaps_20ms": "gaps_20ms"}

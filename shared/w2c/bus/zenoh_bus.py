@@ -73,7 +73,7 @@ def _hub_config(listen: str, router: str) -> zenoh.Config:
     config.insert_json5("listen/endpoints", json.dumps([listen]))
     config.insert_json5("connect/endpoints", json.dumps([router]))
     # A robot must come up without a router, and find it whenever it appears.
-    config.insert_json5("connect/timeout_ms", "0")
+    config.insert_json5("connect/timeout_ms", "-1")
     config.insert_json5("connect/exit_on_failure", "false")
     config.insert_json5("connect/retry", json.dumps(RETRY))
     return config
