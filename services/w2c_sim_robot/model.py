@@ -89,10 +89,19 @@ def build_spec(scene: Scene | None = None) -> mujoco.MjSpec:
 
 
 def build_model(
-    scene: Scene | None = None, perturbation: Perturbation | None = None
+    scene: Scene | None = None,
+    perturbation: Perturbation | None = None,
+    *,
+    visuals: bool = True,
 ) -> mujoco.MjModel:
-    """Return the compiled model. Raises ConfigError as `build_spec`."""
-    model = build_spec(scene).compile()
+    """Return the compiled model. Raises ConfigError as `build_spec`.
+
+    Without visuals it is half as large and moves the same: what the driver needs.
+    """
+    spec = build_spec(scene)
+    if not visuals:
+        _drop_visuals(spec)
+    model = spec.compile()
     if perturbation is not None:
         _perturb(model, perturbation)
     return model
@@ -130,6 +139,8 @@ def _set_options(spec: mujoco.MjSpec) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.impratio = 10.0  # feet and hand must not creep under load
+    # A simulation that diverged is an error, not a robot back at the start.
+    option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     # Scales the clipping planes of the cameras, which come out at 4 cm and 40 m.
     spec.stat.extent = 2.0
     spec.stat.center = (0.3, 0.0, 0.8)
@@ -258,6 +269,16 @@ def _add_surroundings(spec: mujoco.MjSpec) -> None:
         specular=(0.2, 0.2, 0.2),
         castshadow=True,
     )
+
+
+def _drop_visuals(spec: mujoco.MjSpec) -> None:
+    for geom in list(spec.geoms):
+        if geom.contype == 0 and geom.conaffinity == 0:
+            spec.delete(geom)
+    used = {geom.meshname for geom in spec.geoms}
+    for mesh in list(spec.meshes):
+        if mesh.name not in used:
+            spec.delete(mesh)
 
 
 def _perturb(model: mujoco.MjModel, perturbation: Perturbation) -> None:

@@ -11,6 +11,7 @@ import logging
 import threading
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from w2c import topics
@@ -56,6 +57,8 @@ class RobotNode:
     def configure(self) -> None:
         """Build the robot, and answer who asks for it."""
         config = self._config
+        # Otherwise MuJoCo writes its warnings to a file in the working directory.
+        mujoco.set_mju_user_warning(lambda text: log.warning("mujoco: %s", text))
         self._description = make_description(lock_step=config.lock_step)
         self.simulator = _make_simulator(config, self._description)
         period_s = self._description.period_ns * 1e-9
@@ -178,7 +181,7 @@ def _make_simulator(config: RobotConfig, description: RobotDescription) -> Simul
         stiffness=config.stiffness_scale, friction=config.friction_scale, mass=config.mass_scale
     )
     return Simulator(
-        build_model(scene, perturbation),
+        build_model(scene, perturbation, visuals=False),
         description,
         noise=Noise.typical(config.noise),
         seed=config.seed,

@@ -101,7 +101,7 @@ class Simulator:
             command: joint angles (n,) in the order of the description [rad].
 
         Raises:
-            ControlError: the command has the wrong shape or is not finite.
+            ControlError: the command has the wrong shape or is not finite, or physics diverged.
         """
         if command.shape != self._command.shape or not np.isfinite(command).all():
             raise ControlError(
@@ -111,6 +111,8 @@ class Simulator:
         for step in range(1, self._steps_per_tick + 1):
             self._data.ctrl[self._actuator_index] = start + way * (step / self._steps_per_tick)
             mujoco.mj_step(self._model, self._data)
+        if not np.isfinite(self._data.qacc).all():
+            raise ControlError(f"physics diverged at tick {self._tick}; check scales and scene")
         # A step leaves the frames of its beginning; what is read from now on is where the robot is.
         mujoco.mj_kinematics(self._model, self._data)
         self._command = np.array(command)

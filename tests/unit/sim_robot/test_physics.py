@@ -1,5 +1,7 @@
 """The simulated robot stands, feels its weight, gives way like springs, and repeats itself."""
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from w2c_sim_robot.model import (
     build_spec,
 )
 from w2c_sim_robot.physics import Simulator
+from w2c_sim_robot.scenes.scenario_a import scenario_a
 from w2c_sim_robot.sensing import Noise
 
 TICKS_PER_SECOND = 500
@@ -265,6 +268,35 @@ def test_a_robot_that_is_not_as_described_starts_in_equilibrium_too(
 ) -> None:
     robot = Simulator(build_model(perturbation=Perturbation(stiffness=stiffness)), description)
     assert hold(robot, 3.0) < 0.002
+
+
+def test_physics_does_not_depend_on_what_is_drawn() -> None:
+    drawn, bare = build_model(scenario_a()), build_model(scenario_a(), visuals=False)
+    assert bare.ngeom < drawn.ngeom
+    assert bare.body_mass.tolist() == drawn.body_mass.tolist()
+    assert bare.body_inertia.tolist() == drawn.body_inertia.tolist()
+    assert bare.qpos0.tolist() == drawn.qpos0.tolist()
+
+
+def test_robot_stands_before_the_table_and_truth_names_the_movable_objects(
+    description: RobotDescription,
+) -> None:
+    robot = Simulator(build_model(scenario_a(), visuals=False), description)
+    hold(robot, 1.0)
+    assert not robot.fell
+    truth = robot.truth()
+    assert truth.generalized_position.shape == (robot.model.nq,)
+    assert truth.scene["cup"] == pytest.approx((1.08, 0.16, 0.80), abs=0.005)
+    assert "base_link" not in truth.scene
+
+
+def test_diverged_physics_is_an_error_not_a_fresh_start(
+    robot: Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log of its own where it runs
+    robot.push(np.array([np.inf, 0.0, 0.0]), 1.0)
+    with pytest.raises(ControlError, match="diverged"):
+        robot.step(robot.command)
 
 
 def test_noise_is_zero_mean_and_of_the_promised_size(
