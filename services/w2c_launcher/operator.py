@@ -38,6 +38,8 @@ class SayConfig(Connection, frozen=True, kw_only=True):
 
     text: str
     """What to say."""
+    wait: Annotated[float, msgspec.Meta(ge=0)] = 90.0
+    """How long to wait for a motion that the words start [s]; 0 = do not wait."""
 
 
 def say(arguments: list[str] | None = None) -> int:
@@ -48,12 +50,10 @@ def say(arguments: list[str] | None = None) -> int:
     text = ["--text", " ".join(words)] if words else []
     config = parse(SayConfig, [*flags, *text], program="w2c say")
     with _connect(config) as bus:
-        target = bus.latest(topics.TARGET)
-        turn = bus.call(
-            topics.SAY, SayRequest(text=config.text, target_id=_current_target(target.wait(1.2)))
-        ).message
-        _print_turn(turn)
-        return 0 if turn.ok else 1
+        events = bus.queue(topics.GOAL_EVENT)
+        target_id = _current_target(bus.latest(topics.TARGET).wait(1.2))
+        turn = bus.call(topics.SAY, SayRequest(text=config.text, target_id=target_id)).message
+        return _finish(turn, events, config.wait)
 
 
 def _current_target(received: object) -> str:
@@ -69,6 +69,8 @@ class ConfirmConfig(Connection, frozen=True, kw_only=True):
 
     target: str = ""
     """Id of the target; empty = the one that is proposed now."""
+    wait: Annotated[float, msgspec.Meta(ge=0)] = 90.0
+    """How long to wait for the motion [s]; 0 = do not wait."""
 
 
 def confirm(arguments: list[str] | None = None) -> int:
@@ -79,9 +81,9 @@ def confirm(arguments: list[str] | None = None) -> int:
         if not target_id:
             print('there is no target to confirm; propose one first: w2c say "..."')
             return 1
+        events = bus.queue(topics.GOAL_EVENT)
         turn = bus.call(topics.CONFIRM, ConfirmRequest(target_id=target_id)).message
-        _print_turn(turn)
-        return 0 if turn.ok else 1
+        return _finish(turn, events, config.wait)
 
 
 class PlaceConfig(Connection, frozen=True, kw_only=True):
@@ -208,6 +210,14 @@ class _OperatorBus:
 
     def __exit__(self, *_: object) -> None:
         self._bus.close()
+
+
+def _finish(turn: Turn, events: Queue[GoalEvent], patience_s: float) -> int:
+    """Print a turn, and what becomes of the motion that it started. Returns the exit status."""
+    _print_turn(turn)
+    if not turn.ok:
+        return 1
+    return _follow(events, turn.goal_id, patience_s) if turn.goal_id else 0
 
 
 def _follow(events: Queue[GoalEvent], goal_id: str, patience_s: float) -> int:

@@ -5,6 +5,7 @@ import os
 import threading
 import time
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +14,7 @@ import msgspec
 from w2c.bus.zenoh_bus import ZenohBus, connect
 from w2c.config import RobotId, ServiceConfig
 from w2c.errors import ConfigError, ConnectionFailedError, ProcessError
+from w2c.library import library
 from w2c.logs import configure_logs
 from w2c.system import CURRENT, SystemFile, is_running, read_system_file, write_system_file
 from w2c_launcher.launcher import Launcher
@@ -76,6 +78,15 @@ def options_of(config: UpConfig, run_directory: Path) -> Options:
     )
 
 
+def with_scene(options: Options, profile: str) -> Options:
+    """Return the options with a scene for the simulator: scenario (a), where none was chosen."""
+    if options.scene or profile != "simulation":
+        return replace(options, scene=str(Path(options.scene).resolve()) if options.scene else "")
+    path = Path(options.run_directory) / "scene.json"
+    library("save_scene")(library("scenario_a")(), path)
+    return replace(options, scene=str(path))
+
+
 class System:
     """One run of `w2c up`."""
 
@@ -86,7 +97,7 @@ class System:
         if not config.private:
             self._refuse_second()
         self._run_directory = make_run_directory(config.run_directory)
-        self._options = options_of(config, self._run_directory)
+        self._options = with_scene(options_of(config, self._run_directory), config.profile)
         self._launcher = Launcher(
             processes(config.profile, self._options), self._run_directory, self._show
         )

@@ -5,13 +5,12 @@ point of the paper. Both limits are the controller's, found by its own look-ahea
 """
 
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from w2c.errors import ConfigError, ControlError, GoalRefusedError
+from w2c.library import library
 from w2c.messages import PlaceGoal, RobotDescription
 
 TABLE_HEIGHT_M = 0.80
@@ -42,14 +41,6 @@ class Layout:
             f"x = {self.reach_on_feet:.3f} m on two feet, "
             f"to x = {self.reach_with_support:.3f} m with the right hand on the book"
         )
-
-
-def library(name: str) -> Any:
-    """Return a function that a service offers to studies. Raises ConfigError."""
-    for point in entry_points(group="w2c.library"):
-        if point.name == name:
-            return point.load()
-    raise ConfigError(f"no installed service offers '{name}'; install the extra 'robot-host'")
 
 
 def draw_layout(seed: int, scene_path: Path) -> Layout:
