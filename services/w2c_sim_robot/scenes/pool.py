@@ -47,7 +47,10 @@ class Pool:
         scene = Scene(
             name="pool",
             objects=tuple(stock),
-            lights=(Light(position=(0, 0, 3), direction=_DOWN), Light(position=(0, 0, 3), direction=_DOWN)),
+            lights=(
+                Light(position=(0, 0, 3), direction=_DOWN),
+                Light(position=(0, 0, 3), direction=_DOWN),
+            ),
             surroundings=Surroundings(floor=floor, variant=int(rng.integers(1000))),  # type: ignore[arg-type]
         )
         self.model = build_model(scene)

@@ -87,7 +87,9 @@ def _furniture(rng: np.random.Generator, stock: tuple[Asset, ...]) -> SceneObjec
     kind = FURNITURE_KINDS[0] if rng.random() < 0.7 else str(rng.choice(FURNITURE_KINDS))
     candidates = [asset for asset in stock if asset.kind == kind]
     asset = candidates[int(rng.integers(len(candidates)))]
-    weights = np.array([0.6, *[0.4 / (len(KINDS[kind].colours) - 1)] * (len(KINDS[kind].colours) - 1)])
+    weights = np.array(
+        [0.6, *[0.4 / (len(KINDS[kind].colours) - 1)] * (len(KINDS[kind].colours) - 1)]
+    )
     colour = str(rng.choice(KINDS[kind].colours, p=weights))
     front = rng.uniform(0.22, 0.42)
     position = (front + asset.size[0] / 2, float(rng.uniform(-0.25, 0.25)), 0.0)
@@ -140,7 +142,10 @@ def _place(
     if region is None and asset.kind in SMALL_KINDS and rng.random() < 0.25:
         for below in placed:
             fits = _radius(asset.size) < 0.55 * min(below.size[:2]) and below.kind in FLAT_KINDS
-            occupied = any(other.position[2] > below.position[2] + 1e-6 and _near(other, below) for other in placed)
+            occupied = any(
+                other.position[2] > below.position[2] + 1e-6 and _near(other, below)
+                for other in placed
+            )
             if fits and not occupied:
                 return _made(asset, colour, (*below.position[:2], _rest_height(below)), yaw)
     surface_x, surface_y, height = furniture.position[0], furniture.position[1], furniture.size[2]
@@ -163,15 +168,23 @@ def _place(
     return None
 
 
-def _made(asset: Asset, colour: str, position: tuple[float, float, float], yaw: float) -> SceneObject:
+def _made(
+    asset: Asset, colour: str, position: tuple[float, float, float], yaw: float
+) -> SceneObject:
     return make_object(
-        asset.kind, colour, position, name=asset.name, size=asset.size, yaw=yaw, variant=asset.variant
+        asset.kind,
+        colour,
+        position,
+        name=asset.name,
+        size=asset.size,
+        yaw=yaw,
+        variant=asset.variant,
     )
 
 
 def _rest_height(below: SceneObject) -> float:
     """Return the height [m] of what carries things: the floor of a tray, else the top."""
-    share = {"tray": 0.15, "cloth": 0.6 }.get(below.kind, 1.0)
+    share = {"tray": 0.15, "cloth": 0.6}.get(below.kind, 1.0)
     return below.position[2] + share * below.size[2]
 
 
@@ -188,7 +201,10 @@ def _lights(rng: np.random.Generator) -> tuple[Light, ...]:
     """Return two lamps: one that may cast shadows, a weaker one from another side."""
     turn = rng.uniform(-np.pi, np.pi)
     lamps = []
-    for angle, brightness in ((turn, rng.uniform(0.4, 0.8)), (turn + rng.uniform(1.5, 4.5), rng.uniform(0.1, 0.4))):
+    for angle, brightness in (
+        (turn, rng.uniform(0.4, 0.8)),
+        (turn + rng.uniform(1.5, 4.5), rng.uniform(0.1, 0.4)),
+    ):
         flat = rng.uniform(0.3, 0.9)
         direction = (float(flat * np.cos(angle)), float(flat * np.sin(angle)), -1.0)
         position = (0.7 - 2.6 * direction[0], -2.6 * direction[1], 3.2)

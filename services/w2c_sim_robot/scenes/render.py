@@ -23,7 +23,13 @@ SHADOW_SHARE = 0.3
 
 
 def render(
-    directory: Path, seed: int, count: int, size: tuple[int, int], *, depth: bool = False, resume: bool = False
+    directory: Path,
+    seed: int,
+    count: int,
+    size: tuple[int, int],
+    *,
+    depth: bool = False,
+    resume: bool = False,
 ) -> Iterator[Path]:
     """Write the pictures of seeds `seed` to `seed + count - 1`; yields the truth file of each.
 
@@ -56,9 +62,7 @@ def render(
 def write(directory: Path, name: str, scene: Scene, shot: Shot, *, depth: bool = False) -> None:
     """Write `<name>.jpg`, `<name>_identity.png`, `<name>_depth.png` if asked, and last `<name>.json`."""
     picture = cv2.cvtColor(shot.image.rgb, cv2.COLOR_RGB2BGR)
-    cv2.imwrite(
-        str(directory / f"{name}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
-    )
+    cv2.imwrite(str(directory / f"{name}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     cv2.imwrite(str(directory / f"{name}_identity.png"), shot.identity)
     if depth:
         units = np.clip(shot.image.depth / DEPTH_UNIT + 0.5, 0, 65535).astype(np.uint16)

@@ -16,7 +16,7 @@ CUP_SIZE = (0.125, 0.09, 0.105)
 
 def scenario_a(
     *,
-    book_xy: tuple[float, float] = (0.46, -0.25),
+    book_xy: tuple[float, float] = (0.50, -0.25),
     cup_xy: tuple[float, float] = (1.08, 0.16),
     book_yaw: float = 0.12,
     cup_yaw: float = 0.6,
@@ -71,8 +71,8 @@ def scenario_a(
     ]
     if distractors:
         objects += [
-            make_object("bottle", "green", (1.02, -0.42, table_height), yaw=1.0, variant=seed + 2),
-            make_object("bowl", "yellow", (0.86, 0.52, table_height), variant=seed + 4),
+            make_object("bottle", "green", (0.90, -0.48, table_height), yaw=1.0, variant=seed + 2),
+            make_object("bowl", "yellow", (1.10, -0.20, table_height), variant=seed + 4),
         ]
     return Scene(
         name="scenario_a",
