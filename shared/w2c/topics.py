@@ -108,7 +108,7 @@ CAMERA_VIEW = Topic(
     m.CameraView,
     Priority.DATA,
     3.0,
-    ("console", "dialogue"),
+    ("console", "dialogue", "operator"),
     drops=False,
 )
 CONTROLLER_STATUS = Topic(
