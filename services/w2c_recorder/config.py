@@ -1,11 +1,12 @@
 """Flags and configuration of the recorder."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
 from w2c.config import ServiceConfig
-from w2c_recorder.mcap_file import Compression
+
+Compression = Literal["lz4", "zstd", "none"]
 
 
 class RecorderConfig(ServiceConfig, frozen=True, kw_only=True):
@@ -14,7 +15,7 @@ class RecorderConfig(ServiceConfig, frozen=True, kw_only=True):
     autostart: bool = True
     """Record into the run directory from the start; without it, wait for `w2c record start`."""
     compression: Compression = "lz4"
-    """Of the chunks. zstd makes smaller files for three times the processor time."""
+    """Of the chunks. zstd makes smaller files for more processor time."""
     queue_size: Annotated[int, msgspec.Meta(ge=100, le=1_000_000)] = 20_000
     """Messages that may wait for the disk: 15 s of a running robot. More is dropped and counted."""
     minimum_free_mb: Annotated[float, msgspec.Meta(ge=0)] = 200.0

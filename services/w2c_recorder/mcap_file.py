@@ -5,7 +5,6 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
 
 import msgspec
 from mcap.well_known import MessageEncoding, SchemaEncoding
@@ -15,6 +14,7 @@ from w2c import topics
 from w2c.bus import RawReceived
 from w2c.errors import ConfigError, RecordingError
 from w2c.messages import Message
+from w2c_recorder.config import Compression
 from w2c_recorder.liveliness import Liveliness, is_liveliness_key
 from w2c_recorder.losses import LossCounter
 from w2c_recorder.schemas import json_schema
@@ -25,7 +25,6 @@ LOSSES_METADATA = "losses"
 CHUNK_BYTES = 1_000_000
 """Of messages before compression; a chunk is what a crash of the process can lose."""
 
-Compression = Literal["lz4", "zstd", "none"]
 _COMPRESSION = {
     "lz4": CompressionType.LZ4,
     "zstd": CompressionType.ZSTD,
@@ -72,16 +71,12 @@ class _Output:
         self.written = 0
 
     def write(self, data: bytes) -> int:
-        """Write all of it, or nothing and raise OSError."""
+        """Write all of it, or raise OSError."""
         view = memoryview(data)
-        try:
-            while view:
-                view = view[os.write(self._descriptor, view) :]
-        except OSError:
-            # Half a record would be the end of what can be read.
-            os.ftruncate(self._descriptor, self.written)
-            raise
-        self.written += len(data)
+        while view:
+            count = os.write(self._descriptor, view)
+            self.written += count
+            view = view[count:]
         return len(data)
 
     def tell(self) -> int:

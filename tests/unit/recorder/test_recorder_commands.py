@@ -1,6 +1,8 @@
 """The verbs print what they find and exit as the others do."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -93,6 +95,15 @@ def test_record_without_a_known_action_says_what_there_is(arguments: list[str]) 
 def test_a_mark_has_a_bounded_text() -> None:
     with pytest.raises(ConfigError, match="1 to 1000 characters, this one 1001"):
         record(["mark", "x" * 1001])
+
+
+def test_verbs_load_without_the_recorders_own_dependencies() -> None:
+    """Where the extra is not installed, the verb says so instead of failing at import."""
+    program = (
+        "import sys, w2c_recorder.__main__, w2c_recorder.commands; "
+        "sys.exit(bool({'mcap', 'lz4', 'zstandard'} & set(sys.modules)))"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
 
 
 def test_the_status_tells_losses_and_why_it_stopped() -> None:

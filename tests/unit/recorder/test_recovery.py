@@ -9,7 +9,8 @@ from mcap.reader import make_reader
 
 from support.recordings import raw_mark, write_recording
 from w2c.errors import RecordingError
-from w2c_recorder.mcap_file import Compression, McapFile
+from w2c_recorder.config import Compression
+from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.reading import Recording
 from w2c_recorder.recovery import is_closed, recover, recover_directory
 
