@@ -1,0 +1,67 @@
+"""What the documents show exists: every verb, every flag, every make target, every linked file."""
+
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from support.documents import ROOT, commands_of, documents
+
+LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
+OTHER_PROGRAMS = {"git", "cd", "docker", "curl", "sudo", "python", "scp", "ssh", "bash"}
+
+COMMANDS = sorted(
+    {
+        (str(path.relative_to(ROOT)), tuple(words))
+        for path in documents()
+        for words in commands_of(path)
+    }
+)
+
+
+@cache
+def help_of(verb: tuple[str, ...]) -> str:
+    """Return what `w2c VERB --help` prints."""
+    answer = subprocess.run(
+        [sys.executable, "-m", "w2c.cli", *verb, "--help"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stderr
+    return answer.stdout
+
+
+@pytest.mark.parametrize("document", documents(), ids=lambda p: p.name)
+def test_every_linked_file_exists(document: Path) -> None:
+    missing = [
+        link for link in LINK.findall(document.read_text()) if not (document.parent / link).exists()
+    ]
+    assert missing == []
+
+
+@pytest.mark.parametrize(
+    ("document", "words"), COMMANDS, ids=lambda v: v if isinstance(v, str) else " ".join(v)
+)
+def test_every_shown_command_exists_with_its_flags(document: str, words: tuple[str, ...]) -> None:
+    program = Path(words[0]).name
+    if program == "make":
+        makefile = (ROOT / "Makefile").read_text()
+        for target in (word for word in words[1:] if "=" not in word):
+            assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"make {target} in {document}"
+        return
+    if program != "w2c":
+        assert program in OTHER_PROGRAMS, f"{program} in {document}"
+        return
+    verb = (
+        words[1:3]
+        if words[1] in ("bench", "train", "scenes", "dialogue")
+        and (len(words) > 2 and not words[2].startswith("-"))
+        else words[1:2]
+    )
+    text = help_of(tuple(verb))
+    for flag in (word.partition("=")[0] for word in words if word.startswith("--")):
+        assert flag in text, f"{flag} of '{' '.join(words)}' in {document}"
