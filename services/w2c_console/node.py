@@ -23,7 +23,7 @@ M = TypeVar("M", bound=Message)
 
 POLL_S = 0.2
 """How often the slow state is looked at: faster than a person reads [s]"""
-RECEIVE_S = 0.5
+RECEIVE_S = 0.25
 """How long a reader waits before it looks whether it should end [s]"""
 
 
@@ -48,7 +48,8 @@ class ConsoleNode:
         self._config = config
         self._bus = bus
         self._clock = clock
-        self._model = ConsoleModel()
+        self.model = ConsoleModel()
+        """What is known at the moment"""
         self._robot_line = DialledLine(dial_robot(config))
         self._stop_lines = stop_lines or (self._robot_line, BusLine(bus))
         self._ending = threading.Event()
@@ -68,7 +69,7 @@ class ConsoleNode:
         operator = BusOperator(self._bus, self._stop_lines)
         local = frozenset({"localhost", "127.0.0.1", "::1", config.host})
         app = make_app(
-            self._model,
+            self.model,
             operator,
             self._clock,
             title=config.title,
@@ -103,7 +104,7 @@ class ConsoleNode:
 
     def _subscribe(self) -> None:
         """Start a reader for each stream of which nothing may be missed; poll the others."""
-        model, clock, bus = self._model, self._clock, self._bus
+        model, clock, bus = self.model, self._clock, self._bus
         # Pictures wait in a queue, not in a latest value, because a reader of that one polls.
         self._read(
             bus.queue(topics.CAMERA_FRAME, FRAMES_KEPT), lambda m: model.on_frame(m, clock.now_ns())
@@ -124,7 +125,7 @@ class ConsoleNode:
     def _poll(self) -> None:
         for poll in self._polls:
             poll()
-        self._model.on_alive(self._bus.alive())
+        self.model.on_alive(self._bus.alive())
 
     def _read(self, queue: Queue[M], handle: Callable[[M], None]) -> None:
         def read() -> None:

@@ -137,7 +137,9 @@ class FakeDialogue:
         self.said.append(request)
         if self.refusal:
             raise RefusedError(self.refusal)
-        return self.turn(request.text, "prediction.absolute", f"understood: {request.text}")
+        return self.turn(
+            request.text, "prediction.absolute", f"Is this where you mean? ({request.text})"
+        )
 
     def _confirm(self, request: ConfirmRequest, _: CallContext) -> Turn:
         self.confirmed.append(request)
@@ -211,13 +213,15 @@ class ConsoleWorld:
             topics.CONTROLLER_STOP, lambda _, __: StopReply(mode="stopped", stamp_ns=1)
         )
         self._pictures: dict[float, bytes] = {}
+        self._buses = (
+            self.console, self.camera, self.perception, self.controller, self.recorder,
+            self.dialogue.bus, self.robot.bus, self.hub.connect("llm"),
+            self.hub.connect("grounding"),
+        )  # fmt: skip
 
     def close(self) -> None:
         """End every service."""
-        for bus in (
-            self.console, self.camera, self.perception, self.controller, self.recorder,
-            self.dialogue.bus, self.robot.bus,
-        ):  # fmt: skip
+        for bus in self._buses:
             bus.close()
 
     def take_picture(self, stamp_ns: int, *, yaw: float = 0.0, view: bool = True) -> None:
@@ -290,7 +294,7 @@ class ConsoleWorld:
     def publish_health(self) -> None:
         """Publish a report of every service that is there."""
         shares = {"camera": 31.0, "controller": 24.0, "robot": 37.0, "perception": 12.0}
-        for bus in (self.robot.bus, self.camera, self.controller, self.perception, self.recorder):
+        for bus in self._buses:
             health = Health(
                 stamp_ns=1,
                 service=bus.service,
@@ -330,8 +334,8 @@ def make_target(
     return Target(
         target_id=target_id,
         frame_stamp_ns=stamp_ns,
-        u=u,
-        v=v,
+        u=float(u),
+        v=float(v),
         point=point,
         normal=None if point is None else np.array([0.0, 0.0, 1.0]),
         state=state,  # type: ignore[arg-type]
