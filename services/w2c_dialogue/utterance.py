@@ -1,23 +1,24 @@
 """What the operator typed, as words that a model can point at.
 
-A small model copies numbers well and rare words badly, so it names an object by the numbers of its words
-("5-6"), and the words themselves are taken from here. Everything a model sees of an utterance goes through
-`Utterance`: it bounds the length and drops what could pose as part of a prompt.
+A small model copies numbers well and rare words badly, so it names an object by the numbers of its
+words ("5-6"), and the words themselves are taken from here. Everything a model sees of an
+utterance goes through `Utterance`: it bounds the length and drops what could pose as part of a
+prompt.
 """
 
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from w2c.errors import RefusedError
+from w2c.errors import ModelError, RefusedError
 
 MAX_WORDS = 60
 MAX_CHARACTERS = 500
 LETTERS = "abc"
 """Names of the objects of an utterance, in order of mention; no instruction needs more than three."""
 
-_OUTER = ".!?;:\"()[]{}<>`*_~|\\/"
-_QUOTES = str.maketrans({"’": "'", "‘": "'", "“": '"', "”": '"', "`": "'", " ": " "})
+_OUTER = '.!?;:"()[]{}<>`*_~|\\/'
+_QUOTES = str.maketrans({"\u2019": "'", "\u2018": "'", "\u201c": '"', "\u201d": '"', "`": "'"})
 
 
 class Span(tuple[int, int]):
@@ -32,6 +33,16 @@ class Span(tuple[int, int]):
     def __str__(self) -> str:
         """Return the form that models read and write: `5-6`."""
         return f"{self[0]}-{self[1]}"
+
+
+@dataclass(frozen=True)
+class Mention:
+    """An object that an utterance names."""
+
+    phrase: str
+    """What to look for"""
+    span: Span | None
+    """Its words; None where a model paraphrased"""
 
 
 @dataclass(frozen=True)
@@ -58,26 +69,35 @@ class Utterance:
         return " ".join(f"{i} {word}" for i, word in enumerate(self.folded, 1))
 
     def phrase(self, span: Span) -> str:
-        """Return the words of a span as typed, without outer punctuation and possessive s."""
+        """Return the words of a span as typed, without outer punctuation and possessive s.
+
+        Raises:
+            ModelError: the utterance has no such words.
+        """
         first, last = span
         if not 1 <= first <= last <= len(self.typed):
-            raise RefusedError(f"words {span} are not in an utterance of {len(self.typed)} words")
+            raise ModelError(f"words {span} are not in an utterance of {len(self.typed)} words")
         words = " ".join(self.typed[first - 1 : last]).strip(_OUTER + ", '")
         return words.removesuffix("'s").removesuffix("'S")
 
-    def with_letters(self, spans: Sequence[Span]) -> str:
+    def with_letters(self, spans: Sequence[Span | None]) -> str:
         """Return the folded text with each phrase replaced by its capital letter: `left of the A`.
 
         The text is in lower case, so a capital letter cannot be a word of the operator.
         """
         words: list[str] = []
-        starts = {span[0]: (letter.upper(), span[1]) for letter, span in zip(LETTERS, spans, strict=False)}
+        starts = {
+            span[0]: (letter.upper(), span[1])
+            for letter, span in zip(LETTERS, spans, strict=False)
+            if span is not None
+        }
         index = 1
         while index <= len(self.folded):
             if index in starts:
                 letter, index = starts[index]
                 last = self.folded[index - 1]
-                words.append(letter + ("'s" if last.rstrip(",").endswith("'s") else "") + ("," * last.endswith(",")))
+                possessive = "'s" if last.rstrip(",").endswith("'s") else ""
+                words.append(letter + possessive + "," * last.endswith(","))
             else:
                 words.append(self.folded[index - 1])
             index += 1
@@ -91,12 +111,16 @@ def parse(text: str) -> Utterance:
         RefusedError: nothing is left of it, or it is too long.
     """
     if len(text) > MAX_CHARACTERS:
-        raise RefusedError(f"That is {len(text)} characters long; please use {MAX_CHARACTERS} at most.")
+        raise RefusedError(
+            f"That is {len(text)} characters long; please use {MAX_CHARACTERS} at most."
+        )
     kept = "".join(_plain(c) for c in unicodedata.normalize("NFC", text).translate(_QUOTES))
     pairs = [(word, fold(word)) for word in kept.split()]
     pairs = [(word, folded) for word, folded in pairs if folded.strip(",")]
     if not pairs:
-        raise RefusedError("I heard no words. Tell me where to put a hand, for example: lean on the table.")
+        raise RefusedError(
+            "I heard no words. Tell me where to put a hand, for example: lean on the table."
+        )
     if len(pairs) > MAX_WORDS:
         raise RefusedError(f"That is {len(pairs)} words long; please use {MAX_WORDS} at most.")
     return Utterance(tuple(p[0] for p in pairs), tuple(p[1] for p in pairs))

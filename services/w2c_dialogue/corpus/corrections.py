@@ -1,7 +1,7 @@
 """Corrections: how people push a point about, and the expressions of where it goes.
 
-A bit is 20 px, a step without size 40 px, a lot 100 px. Behind and farther are up in the picture, nearer and
-in front are down (`u` grows to the right, `v` grows downwards).
+A bit is 20 px, a step without size 40 px, a lot 100 px. Behind and farther are up in the picture,
+nearer and in front are down (`u` grows to the right, `v` grows downwards).
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,17 @@ from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.phrases import article, phrase
 from w2c_dialogue.corpus.things import names
 
-TINY = ("a tiny bit", "a hair", "a touch", "a smidge", "just a tad", "a tad", "very slightly", "a teeny bit", "ever so slightly")
+TINY = (
+    "a tiny bit",
+    "a hair",
+    "a touch",
+    "a smidge",
+    "just a tad",
+    "a tad",
+    "very slightly",
+    "a teeny bit",
+    "ever so slightly",
+)
 SMALL = (
     "a bit", "a bit", "a bit", "a little", "a little bit", "slightly", "somewhat", "just a bit", "just a little", "a bit more",
     "a little more", "a small step", "a small amount", "a little bit more",
@@ -31,19 +41,40 @@ TO = {
 }  # fmt: skip
 WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 MOVE = names("""
-move, go, shift, slide, move it, shift it, slide it, move the target, move the point, move your hand, push it, nudge it, bring it, put it, go, move the contact, move the dot, adjust it, place it, take it, drag it, shift the point, move the marker, shift the target, move that,
-nudge, drag, scoot, scooch it, displace it, relocate it, translate, correct it, move the goal, it should be, it needs to be, should be, needs to go, I want it, make it, set it, the point should go, move the hand, move your right hand, move your left hand, move the position
+move, go, shift, slide, move it, shift it, slide it, move the target, move the point, move your
+hand, push it, nudge it, bring it, put it, go, move the contact, move the dot, adjust it, place
+it, take it, drag it, shift the point, move the marker, shift the target, move that, nudge, drag,
+scoot, scooch it, displace it, relocate it, translate, correct it, move the goal, it should be, it
+needs to be, should be, needs to go, I want it, make it, set it, the point should go, move the
+hand, move your right hand, move your left hand, move the position
 """)
 MOVE_POINT = tuple(
     f"{verb} {what}"
     for verb in ("move", "shift", "slide", "drag", "nudge", "bring", "relocate", "push")
-    for what in ("it", "it", "the target", "the point", "the dot", "the contact", "the marker", "that", "the contact point")
+    for what in (
+        "it",
+        "it",
+        "the target",
+        "the point",
+        "the dot",
+        "the contact",
+        "the marker",
+        "that",
+        "the contact point",
+    )
 )
 """Verbs that speak of the point on the screen: "put it on the cup" would be a new instruction."""
 LEADS = names("""
-no, no no, please, can you, could you, now, ok now, but, almost, not quite, nearly there, good but, not there, hmm, wait, ok but, yes but, close but, almost there, a correction:, I'd say, now please, and, then, still, no please, that's good but, just, almost perfect, good direction, so close
+no, no no, please, can you, could you, now, ok now, but, almost, not quite, nearly there, good
+but, not there, hmm, wait, ok but, yes but, close but, almost there, a correction:, I'd say, now
+please, and, then, still, no please, that's good but, just, almost perfect, good direction, so
+close
 """)
-TAILS = names("please, now, thanks, again, ok, from there, from here, in the picture, in the image, on the image, if possible, from where it is, instead, of where it is now, than that, carefully, robot, from this point, would be better, thank you, would be perfect")
+TAILS = names("""
+please, now, thanks, again, ok, from there, from here, in the picture, in the image, on the image,
+if possible, from where it is, instead, of where it is now, than that, carefully, robot, from this
+point, would be better, thank you, would be perfect
+""")
 
 
 @dataclass(frozen=True)
@@ -77,7 +108,9 @@ def _sized_direction(draw: Draw, way: str) -> tuple[str, str]:
     to = draw.pick(TO[way])
     if draw.chance(0.25):
         words, size = locations.distance(draw)
-        return draw.pick((f"{words} {to}", f"{to} {words}", f"{to} by {words}", f"by {words} {to}")), size
+        return draw.pick(
+            (f"{words} {to}", f"{to} {words}", f"{to} by {words}", f"by {words} {to}")
+        ), size
     if draw.chance(0.05):
         number = 2 + draw.below(4)
         word = draw.pick((str(number), ("two", "three", "four", "five")[number - 2]))
@@ -113,7 +146,9 @@ def _direction(draw: Draw) -> Correction:
     way = draw.pick(tuple(WAYS))
     words, size = _sized_direction(draw, way)
     du, dv = WAYS[way]
-    return Correction(_finish(draw, words, {}), _term("target.u", du, size), _term("target.v", dv, size))
+    return Correction(
+        _finish(draw, words, {}), _term("target.u", du, size), _term("target.v", dv, size)
+    )
 
 
 def _diagonal(draw: Draw) -> Correction:
@@ -121,7 +156,16 @@ def _diagonal(draw: Draw) -> Correction:
     first, second = (across, along) if draw.chance(0.5) else (along, across)
     if draw.chance(0.4):
         words, size = _step(draw)
-        joined = draw.pick((f"{first} and {second}", f"diagonally {first} {second}", f"{along} {across}", f"{along} and to the {across}", f"{along}-{across}", f"{first} and also {second}"))
+        joined = draw.pick(
+            (
+                f"{first} and {second}",
+                f"diagonally {first} {second}",
+                f"{along} {across}",
+                f"{along} and to the {across}",
+                f"{along}-{across}",
+                f"{first} and also {second}",
+            )
+        )
         text, sizes = f"{words} {joined}".strip(), {first: size, second: size}
     else:
         text_first, size_first = _sized_direction(draw, first)
@@ -167,8 +211,15 @@ def _history(draw: Draw) -> Correction:
     if roll < 0.72:
         factor = draw.pick(tuple(AGAIN_AS))
         text = draw.pick(AGAIN_AS[factor])
-        terms = {"1": "+last.{}", "-1": "-last.{}"}.get(factor, ("" if factor[0] == "-" else "+") + factor + "*last.{}")
-        return Correction(_finish(draw, text, {}, bare=1.0), "target.u" + terms.format("du"), "target.v" + terms.format("dv"), 1)
+        terms = {"1": "+last.{}", "-1": "-last.{}"}.get(
+            factor, ("" if factor[0] == "-" else "+") + factor + "*last.{}"
+        )
+        return Correction(
+            _finish(draw, text, {}, bare=1.0),
+            "target.u" + terms.format("du"),
+            "target.v" + terms.format("dv"),
+            1,
+        )
     if roll < 0.84:
         way = draw.pick(tuple(WAYS))
         factor, text = draw.pick((
@@ -178,22 +229,39 @@ def _history(draw: Draw) -> Correction:
         size = "last.size" if factor == "1" else f"{factor}*last.size"
         words = text.format(draw.pick(TO[way])) + draw.pick(("", " as before", "", " as last time"))
         du, dv = WAYS[way]
-        return Correction(_finish(draw, words, {}), _term("target.u", du, size), _term("target.v", dv, size), 1)
+        return Correction(
+            _finish(draw, words, {}), _term("target.u", du, size), _term("target.v", dv, size), 1
+        )
     if roll < 0.92:
         text = draw.pick(START)
         return Correction(_finish(draw, text, {}, bare=1.0), "start.u", "start.v", 1)
     text = draw.pick(UNDO_TWO)
-    return Correction(_finish(draw, text, {}, bare=1.0), "target.u-last.du-moves[-2].du", "target.v-last.dv-moves[-2].dv", 2)
+    return Correction(
+        _finish(draw, text, {}, bare=1.0),
+        "target.u-last.du-moves[-2].du",
+        "target.v-last.dv-moves[-2].dv",
+        2,
+    )
 
 
 START = names("""
-back to the start, go back to the beginning, the first position, back to the first point, undo everything, undo all, reset, start over, back to the original position, the original point, where it was at first, the very first one, go back to the initial position,
-return to the start, reset the target, initial point, put it back where it was at the beginning, undo all corrections, forget all corrections, the first one was better, back to square one, to where we started
+back to the start, go back to the beginning, the first position, back to the first point, undo
+everything, undo all, reset, start over, back to the original position, the original point, where
+it was at first, the very first one, go back to the initial position, return to the start, reset
+the target, initial point, put it back where it was at the beginning, undo all corrections, forget
+all corrections, the first one was better, back to square one, to where we started
 """)
-UNDO_TWO = names("undo the last two, undo twice, undo the last two moves, go back two steps, take back the last two, two steps back, undo both, revert the last two corrections, back two moves, go back twice")
+UNDO_TWO = names("""
+undo the last two, undo twice, undo the last two moves, go back two steps, take back the last two,
+two steps back, undo both, revert the last two corrections, back two moves, go back twice
+""")
 STAY = names("""
-no, stop, wait, hold on, not yet, nope, cancel, no way, don't, don't move, no don't, that's wrong, wrong, this is not right, not good, not there, not ok, no that's not it, I don't like it, bad, hmm no, not like this, not correct, incorrect, nah, no good, don't do it, that is not what I want,
-not sure, let me think, one moment, wait a second, abort, stop it, do nothing, no thanks, not really, that's not right, it's not good yet, not perfect, not quite, that won't work, it isn't right, absolutely not, never
+no, stop, wait, hold on, not yet, nope, cancel, no way, don't, don't move, no don't, that's wrong,
+wrong, this is not right, not good, not there, not ok, no that's not it, I don't like it, bad, hmm
+no, not like this, not correct, incorrect, nah, no good, don't do it, that is not what I want, not
+sure, let me think, one moment, wait a second, abort, stop it, do nothing, no thanks, not really,
+that's not right, it's not good yet, not perfect, not quite, that won't work, it isn't right,
+absolutely not, never
 """)
 
 
@@ -206,17 +274,43 @@ def _object(draw: Draw) -> Correction:
             ("closer to", "0.5"), ("nearer to", "0.5"), ("towards", "0.5"), ("toward", "0.5"), ("a bit closer to", "0.25"), ("a little closer to", "0.25"), ("a bit towards", "0.25"), ("slightly closer to", "0.25"),
             ("much closer to", "0.75"), ("a lot closer to", "0.75"), ("more towards", "0.5"), ("nearer", "0.5"), ("a bit nearer to", "0.25"), ("in the direction of", "0.5"), ("halfway to", "0.5"),
         ))  # fmt: skip
-        return Correction(_finish(draw, f"{words} {a}", things), f"target.u+{share}*(a.u-target.u)", f"target.v+{share}*(a.v-target.v)")
+        return Correction(
+            _finish(draw, f"{words} {a}", things),
+            f"target.u+{share}*(a.u-target.u)",
+            f"target.v+{share}*(a.v-target.v)",
+        )
     if kind == 3:
         words, share = draw.pick((
             ("away from", "0.5"), ("further away from", "0.5"), ("farther from", "0.5"), ("further from", "0.5"), ("a bit away from", "0.25"), ("a bit further from", "0.25"), ("a little away from", "0.25"), ("far away from", "1"), ("much further from", "1"), ("less close to", "0.25"),
         ))  # fmt: skip
-        return Correction(_finish(draw, f"{words} {a}", things), f"target.u-{share}*(a.u-target.u)", f"target.v-{share}*(a.v-target.v)")
+        return Correction(
+            _finish(draw, f"{words} {a}", things),
+            f"target.u-{share}*(a.u-target.u)",
+            f"target.v-{share}*(a.v-target.v)",
+        )
     if kind < 6:
         return _edge(draw, a, things)
     if kind == 6:
-        words = draw.pick(("onto", "on", "on top of", "to the center of", "to the middle of", "to", "in the middle of", "to the centre of", "all the way to", "right on", "exactly on", "over", "up to"))
-        return Correction(_finish(draw, f"{words} {a}", things, bare=0.0, verbs=MOVE_POINT), "a.u", "a.v")
+        words = draw.pick(
+            (
+                "onto",
+                "on",
+                "on top of",
+                "to the center of",
+                "to the middle of",
+                "to",
+                "in the middle of",
+                "to the centre of",
+                "all the way to",
+                "right on",
+                "exactly on",
+                "over",
+                "up to",
+            )
+        )
+        return Correction(
+            _finish(draw, f"{words} {a}", things, bare=0.0, verbs=MOVE_POINT), "a.u", "a.v"
+        )
     if kind < 9:
         return _beside(draw, a, things)
     if kind == 9:
@@ -235,7 +329,18 @@ def _edge(draw: Draw, a: str, things: dict[str, str]) -> Correction:
         name = draw.pick(tuple(locations.CORNERS))
         du, dv = locations.CORNERS[name]
         what = "corner"
-    lead = draw.pick(("to the", "to the", "on the", "at the", "onto the", "towards the", "closer to the", "up to the"))
+    lead = draw.pick(
+        (
+            "to the",
+            "to the",
+            "on the",
+            "at the",
+            "onto the",
+            "towards the",
+            "closer to the",
+            "up to the",
+        )
+    )
     form = f"{lead} {name} {what} of {a}"
     x, y = locations.inside("a", du, dv)
     return Correction(_finish(draw, form, things, bare=0.2, verbs=MOVE_POINT), x, y)
@@ -253,8 +358,28 @@ def _beside(draw: Draw, a: str, things: dict[str, str]) -> Correction:
 
 
 def _align(draw: Draw, a: str, things: dict[str, str]) -> Correction:
-    across = draw.pick(("at the same height as", "level with", "to the height of", "to the same level as", "in line horizontally with", "align horizontally with", "as high as"))
-    along = draw.pick(("straight below", "directly under", "in line vertically with", "align vertically with", "straight above", "straight in front of", "in the same column as"))
+    across = draw.pick(
+        (
+            "at the same height as",
+            "level with",
+            "to the height of",
+            "to the same level as",
+            "in line horizontally with",
+            "align horizontally with",
+            "as high as",
+        )
+    )
+    along = draw.pick(
+        (
+            "straight below",
+            "directly under",
+            "in line vertically with",
+            "align vertically with",
+            "straight above",
+            "straight in front of",
+            "in the same column as",
+        )
+    )
     if draw.chance(0.5):
         return Correction(_finish(draw, f"{across} {a}", things), "target.u", "a.v")
     return Correction(_finish(draw, f"{along} {a}", things), "a.u", "target.v")
@@ -264,30 +389,78 @@ def _object_sized(draw: Draw, a: str, things: dict[str, str]) -> Correction:
     way = draw.pick(tuple(WAYS))
     du, dv = WAYS[way]
     measure = "width" if du else "height"
-    words, share = draw.pick((("half the", "0.5*"), ("half a", "0.5*"), ("one", ""), ("the", ""), ("two", "2*"), ("twice the", "2*"), ("a", ""), ("a quarter of the", "0.25*"), ("one and a half", "1.5*")))
-    text = draw.pick((f"by {words} {measure} of {a} {{to}}", f"{words} {measure} of {a} {{to}}", f"{{to}} by {words} {measure} of {a}"))
+    words, share = draw.pick(
+        (
+            ("half the", "0.5*"),
+            ("half a", "0.5*"),
+            ("one", ""),
+            ("the", ""),
+            ("two", "2*"),
+            ("twice the", "2*"),
+            ("a", ""),
+            ("a quarter of the", "0.25*"),
+            ("one and a half", "1.5*"),
+        )
+    )
+    text = draw.pick(
+        (
+            f"by {words} {measure} of {a} {{to}}",
+            f"{words} {measure} of {a} {{to}}",
+            f"{{to}} by {words} {measure} of {a}",
+        )
+    )
     text = text.replace("{to}", draw.pick(TO[way]))
     size = f"{share}a.{measure}"
-    return Correction(_finish(draw, text, things, bare=0.2), _term("target.u", du, size), _term("target.v", dv, size))
+    return Correction(
+        _finish(draw, text, things, bare=0.2),
+        _term("target.u", du, size),
+        _term("target.v", dv, size),
+    )
 
 
 def _between(draw: Draw) -> Correction:
     things = {"A": phrase(draw), "B": phrase(draw)}
-    link = draw.pick(("between", "in between", "halfway between", "midway between", "in the middle of"))
+    link = draw.pick(
+        ("between", "in between", "halfway between", "midway between", "in the middle of")
+    )
     text = f"{link} {article(draw)} {{A}} and {article(draw)} {{B}}"
-    return Correction(_finish(draw, " ".join(text.split()), things, bare=0.0, verbs=MOVE_POINT), "(a.u+b.u)/2", "(a.v+b.v)/2")
+    return Correction(
+        _finish(draw, " ".join(text.split()), things, bare=0.0, verbs=MOVE_POINT),
+        "(a.u+b.u)/2",
+        "(a.v+b.v)/2",
+    )
 
 
 def _pixels(draw: Draw) -> Correction:
     u, v = draw.below(1280), draw.below(720)
-    text = draw.pick(("to pixel {} {}", "to {}, {}", "to {} {}", "to x {} y {}", "to ({}, {})", "to pixel {}, {}", "to x={} y={}", "at {} {}", "to the pixel {} {}", "exactly at {}, {}", "to coordinates {} {}"))
+    text = draw.pick(
+        (
+            "to pixel {} {}",
+            "to {}, {}",
+            "to {} {}",
+            "to x {} y {}",
+            "to ({}, {})",
+            "to pixel {}, {}",
+            "to x={} y={}",
+            "at {} {}",
+            "to the pixel {} {}",
+            "exactly at {}, {}",
+            "to coordinates {} {}",
+        )
+    )
     return Correction(_finish(draw, text.format(u, v), {}, bare=0.1), str(u), str(v))
 
 
 def correction(draw: Draw) -> Correction:
     """Return one correction."""
     roll = draw.uniform()
-    for share, make in ((0.37, _direction), (0.12, _diagonal), (0.18, _history), (0.25, _object), (0.02, _pixels)):
+    for share, make in (
+        (0.37, _direction),
+        (0.12, _diagonal),
+        (0.18, _history),
+        (0.25, _object),
+        (0.02, _pixels),
+    ):
         if roll < share:
             return make(draw)
         roll -= share

@@ -34,7 +34,9 @@ class Draft:
             letter = word[at + 1]
             self.add(phrases[letter], letter.lower())
             self.words[-1] += word[at + 3 :]
-            self.words[-len(phrases[letter].split())] = word[:at] + self.words[-len(phrases[letter].split())]
+            self.words[-len(phrases[letter].split())] = (
+                word[:at] + self.words[-len(phrases[letter].split())]
+            )
 
     def finish(self) -> tuple[Utterance, list[Span]]:
         """Return the utterance and the span of the first mention of each object, in order."""

@@ -21,7 +21,11 @@ COMMON = frozenset(
     do that again|half of that|half as much|move your right hand|move your left hand|place it|arm|top|other|
     leftmost|over there|in front of you|on the right|counter|fence|pink|cardboard|empty|roger|there|well done|
     wrong side|for me|twice as far|toolbox|cone|drill
-    """.replace("\n", " ").replace("  ", "").replace("| ", "|").strip().split("|")
+    """.replace("\n", " ")
+    .replace("  ", "")
+    .replace("| ", "|")
+    .strip()
+    .split("|")
 )
 """Words without which nobody talks: always in training."""
 _BLOCK = 8192

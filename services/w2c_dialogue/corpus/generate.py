@@ -14,10 +14,17 @@ from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.noise import disturb
 from w2c_dialogue.prompts.base import CorrectionScene, Move, Question, SceneObject
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
-from w2c_dialogue.utterance import Span, Utterance
+from w2c_dialogue.utterance import Mention, Utterance
 
 PROMPTS = EmbeddedPrompts()
-SHARES = (("select", 0.2), ("analyze", 0.22), ("objects", 0.1), ("relative", 0.15), ("correct", 0.22), ("effector", 0.11))
+SHARES = (
+    ("select", 0.2),
+    ("analyze", 0.22),
+    ("objects", 0.1),
+    ("relative", 0.15),
+    ("correct", 0.22),
+    ("effector", 0.11),
+)
 WIDTH, HEIGHT = 1280.0, 720.0
 
 
@@ -53,8 +60,9 @@ def _example(question: Question, answer: str) -> Example:
     return Example(task=question.task, messages=messages, answer=answer)
 
 
-def _cut(draft: Draft, draw: Draw) -> tuple[Utterance, list[Span]]:
-    return disturb(draft, draw).finish()
+def _cut(draft: Draft, draw: Draw) -> tuple[Utterance, list[Mention]]:
+    utterance, spans = disturb(draft, draw).finish()
+    return utterance, [Mention(utterance.phrase(span), span) for span in spans]
 
 
 def _instruction(draw: Draw, relative: float = 0.5) -> instructions.Instruction:
@@ -76,32 +84,38 @@ def _select(draw: Draw) -> Example:
 def _analyze(draw: Draw) -> Example:
     if draw.chance(0.03):
         utterance, _ = _cut(instructions.vague(draw), draw)
-        return _example(PROMPTS.analyze(utterance), answer_text({"position": "absolute", "objects": []}))
+        return _example(
+            PROMPTS.analyze(utterance), answer_text({"position": "absolute", "objects": []})
+        )
     made = _instruction(draw)
-    utterance, spans = _cut(made.draft, draw)
-    answer = {"position": made.position, "objects": [str(span) for span in spans]}
+    utterance, mentions = _cut(made.draft, draw)
+    answer = {"position": made.position, "objects": [str(m.span) for m in mentions]}
     return _example(PROMPTS.analyze(utterance), answer_text(answer))
 
 
 def _objects(draw: Draw) -> Example:
-    utterance, spans = _cut(corrections.correction(draw).draft, draw)
-    return _example(PROMPTS.objects(utterance), answer_text({"objects": [str(span) for span in spans]}))
+    utterance, mentions = _cut(corrections.correction(draw).draft, draw)
+    return _example(
+        PROMPTS.objects(utterance), answer_text({"objects": [str(m.span) for m in mentions]})
+    )
 
 
 def _relative(draw: Draw) -> Example:
     made = _instruction(draw, 1.0)
-    utterance, spans = _cut(made.draft, draw)
-    objects = _scene_objects(draw, made.scene, len(spans))
-    question = PROMPTS.relative(utterance, spans, objects, 10.0)
+    utterance, mentions = _cut(made.draft, draw)
+    objects = _scene_objects(draw, made.scene, len(mentions))
+    question = PROMPTS.relative(utterance, mentions, objects, 10.0)
     return _example(question, answer_text({"x": made.x, "y": made.y}))
 
 
 def _correct(draw: Draw) -> Example:
     made = corrections.correction(draw)
-    utterance, spans = _cut(made.draft, draw)
+    utterance, mentions = _cut(made.draft, draw)
     moves = tuple(_move(draw) for _ in range(made.needs_past + draw.below(4)))
     scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), moves, (), (), 10.0)
-    return _example(PROMPTS.correct(utterance, spans, scene), answer_text({"x": made.x, "y": made.y}))
+    return _example(
+        PROMPTS.correct(utterance, mentions, scene), answer_text({"x": made.x, "y": made.y})
+    )
 
 
 def _effector(draw: Draw) -> Example:
@@ -119,14 +133,24 @@ def _move(draw: Draw) -> Move:
 
 def _box(draw: Draw, u: float, v: float) -> Box:
     width, height = draw.between(30, 150), draw.between(30, 150)
-    return Box(left=u - width / 2, top=v - height / 2, right=u + width / 2, bottom=v + height / 2, score=0.9)
+    return Box(
+        left=u - width / 2,
+        top=v - height / 2,
+        right=u + width / 2,
+        bottom=v + height / 2,
+        score=0.9,
+    )
 
 
 def _scene_objects(draw: Draw, scene: str, count: int) -> list[SceneObject]:
     """Return boxes of which the facts in `scene` are true."""
     u, v = draw.between(100, WIDTH - 100), draw.between(100, HEIGHT - 100)
     if scene in ("A left", "A middle", "A right"):
-        u = WIDTH * ({"A left": 0, "A middle": 1, "A right": 2}[scene] + draw.between(0.02, 0.98)) / 3.0
+        u = (
+            WIDTH
+            * ({"A left": 0, "A middle": 1, "A right": 2}[scene] + draw.between(0.02, 0.98))
+            / 3.0
+        )
     centres = [(u, v)]
     relations = {"left": (1, 0), "right": (-1, 0), "above": (0, 1), "below": (0, -1)}
     word = scene.split()[1] if scene.endswith("B") else draw.pick(tuple(relations))

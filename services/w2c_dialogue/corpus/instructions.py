@@ -10,31 +10,61 @@ from w2c_dialogue.corpus.phrases import article, phrase, place
 from w2c_dialogue.corpus.things import names
 
 PUT = names("""
-put, place, rest, set, lay, position, press, push, plant, support, brace, keep, hold, stick, drop, lean, move, bring, get, make contact with, prop, park, settle,
-lower, apply, establish contact with, anchor, steady, leave, fix, balance, place down, put down, set down, stabilize, land, make a support contact with, create a contact with
+put, place, rest, set, lay, position, press, push, plant, support, brace, keep, hold, stick, drop,
+lean, move, bring, get, make contact with, prop, park, settle, lower, apply, establish contact
+with, anchor, steady, leave, fix, balance, place down, put down, set down, stabilize, land, make a
+support contact with, create a contact with
 """)
 LEAN = names("""
-lean, lean forward, support yourself, brace yourself, prop yourself, steady yourself, stand, step, push, press, rest, put your weight, bear weight, hold yourself,
-stabilize yourself, balance yourself, take support, find support, lean down, make contact, establish contact, get some support, rest your weight, lean your body, create a contact,
-make a contact, push down, press down, lean over, hold on, keep your balance, hold yourself up, put some weight, shift your weight, transfer your weight, bend forward and lean
+lean, lean forward, support yourself, brace yourself, prop yourself, steady yourself, stand, step,
+push, press, rest, put your weight, bear weight, hold yourself, stabilize yourself, balance
+yourself, take support, find support, lean down, make contact, establish contact, get some
+support, rest your weight, lean your body, create a contact, make a contact, push down, press
+down, lean over, hold on, keep your balance, hold yourself up, put some weight, shift your weight,
+transfer your weight, bend forward and lean
 """)
 REACH_OBJECT = names("""
-reach for, grab, take, get, fetch, touch, pick up, go for, grasp, reach out to, pick, catch, tap, poke, reach, reach towards, reach toward, reach out for, reach over to, seize, get hold of,
-go and get, try to reach, try to grab, point at, get me, bring me, hand me, give me, collect, retrieve, stretch to, stretch out for, extend to, go get, lift, lift up, snatch, feel, reach to, aim for, go to
+reach for, grab, take, get, fetch, touch, pick up, go for, grasp, reach out to, pick, catch, tap,
+poke, reach, reach towards, reach toward, reach out for, reach over to, seize, get hold of, go and
+get, try to reach, try to grab, point at, get me, bring me, hand me, give me, collect, retrieve,
+stretch to, stretch out for, extend to, go get, lift, lift up, snatch, feel, reach to, aim for, go
+to
 """)
-REACH_PLACE = names("reach, reach out, go, stretch, point, touch, reach over, extend, reach forward")
+REACH_PLACE = names("""
+reach, reach out, go, stretch, point, touch, reach over, extend, reach forward
+""")
 ANY_HAND = names("""
-your hand, a hand, the hand, one hand, hand, one of your hands, a palm, your palm, an arm, your arm, it, either hand, any hand, some hand, your fist
+your hand, a hand, the hand, one hand, hand, one of your hands, a palm, your palm, an arm, your
+arm, it, either hand, any hand, some hand, your fist
 """)
-HANDS = ("hand", "hand", "hand", "hand", "hand", "palm", "arm", "fist", "wrist", "fingers", "gripper", "limb")
+HANDS = (
+    "hand",
+    "hand",
+    "hand",
+    "hand",
+    "hand",
+    "palm",
+    "arm",
+    "fist",
+    "wrist",
+    "fingers",
+    "gripper",
+    "limb",
+)
 FEET = ("foot", "foot", "foot", "sole", "leg", "shoe", "heel", "boot", "toes")
 WITH = ("with", "with", "using", "with", "by using", "use", "via")
 LEADS = names("""
-please, can you, could you, could you please, can you please, I want you to, I need you to, I would like you to, I'd like you to, let's, you should, go ahead and, robot, talos, hey robot, ok now, now, next, then, ok, and now, try to, would you,
-I want to see you, you can, you need to, it would be great if you, alright, great, first, hey, hi, you have to, I'd want you to, make sure to, be careful and, now please, so now, next please, your task is to, I'm asking you to, carefully, gently, slowly, quickly, just
+please, can you, could you, could you please, can you please, I want you to, I need you to, I
+would like you to, I'd like you to, let's, you should, go ahead and, robot, talos, hey robot, ok
+now, now, next, then, ok, and now, try to, would you, I want to see you, you can, you need to, it
+would be great if you, alright, great, first, hey, hi, you have to, I'd want you to, make sure to,
+be careful and, now please, so now, next please, your task is to, I'm asking you to, carefully,
+gently, slowly, quickly, just
 """)
 TAILS = names("""
-please, now, carefully, thanks, thank you, for support, to support yourself, for balance, gently, if you can, to keep your balance, slowly, ok, first, so you don't fall, robot, if possible, right now, firmly, with some force, for stability, again, instead, this time, as a support
+please, now, carefully, thanks, thank you, for support, to support yourself, for balance, gently,
+if you can, to keep your balance, slowly, ok, first, so you don't fall, robot, if possible, right
+now, firmly, with some force, for stability, again, instead, this time, as a support
 """)
 AGAIN = (
     "no,", "instead,", "actually,", "no, actually,", "wait,", "forget that,", "let's do something else,",
@@ -76,7 +106,11 @@ def _limb(draw: Draw) -> tuple[str, str]:
 
 
 def _phrases(draw: Draw, location: Location, *, surface: bool) -> dict[str, str]:
-    return {letter: phrase(draw, surface=surface) for letter in "ABC" if f"{{{letter}}}" in location.text}
+    return {
+        letter: phrase(draw, surface=surface)
+        for letter in "ABC"
+        if f"{{{letter}}}" in location.text
+    }
 
 
 def _with_articles(draw: Draw, text: str) -> str:
@@ -103,9 +137,15 @@ def _contact(draw: Draw, location: str) -> tuple[str, str]:
     if frame == 7:
         return f"use {words} to {draw.pick(LEAN)} {location}", name
     if frame == 8:
-        return f"{words} {draw.pick(('', '', 'goes', 'should be', 'should go', 'must be', 'down'))} {location}", name
+        return (
+            f"{words} {draw.pick(('', '', 'goes', 'should be', 'should go', 'must be', 'down'))} "
+            f"{location}",
+            name,
+        )
     if frame == 9:
-        noun = draw.pick(("contact", "support contact", "support", "a contact", "support point", "contact point"))
+        noun = draw.pick(
+            ("contact", "support contact", "support", "a contact", "support point", "contact point")
+        )
         return f"{noun} {location} {tool}", name
     if frame == 10:
         return f"{draw.pick(LEAN)} {location}", "unspecified"
@@ -120,7 +160,17 @@ def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
     verb = draw.pick(REACH_OBJECT)
     thing = location
     if not absolute:
-        verb = draw.pick((draw.pick(REACH_PLACE), "touch the spot", "reach for the point", "reach the place", "touch the table", "reach the spot", "reach for the area"))
+        verb = draw.pick(
+            (
+                draw.pick(REACH_PLACE),
+                "touch the spot",
+                "reach for the point",
+                "reach the place",
+                "touch the table",
+                "reach the spot",
+                "reach for the area",
+            )
+        )
     frame = draw.below(6)
     if frame < 2:
         return f"{verb} {thing}{comma} {tool}", name
@@ -154,13 +204,26 @@ def instruction(draw: Draw, kind: str) -> Instruction:
     draft.fill(template, _phrases(draw, location, surface=not reach))
     if draw.chance(0.15):
         draft.add(draw.pick(TAILS))
-    return Instruction(draft, kind, location.x, location.y, location.scene, effector, "reach" if reach else "contact")
+    return Instruction(
+        draft,
+        kind,
+        location.x,
+        location.y,
+        location.scene,
+        effector,
+        "reach" if reach else "contact",
+    )
 
 
 VAGUE = names("""
-lean over there, put your right hand somewhere, reach forward, lean forward with your left hand, place your left hand over here, put it down, use your right hand, reach out with the left hand, grab it, take it with the left hand,
-with your right hand please, lean, lean on something, put your hand on it, touch it, get that, place a contact, find a support, support yourself with your right hand, move your left hand, give me your hand, hello, hi robot, how are you, what do you see,
-what is this, help me, raise your hand, can you lean, left hand, right hand please, do something, who are you, where is it, place your hand on that, reach for this, lean against that with your left, dance, sing a song, tell me a joke, walk to the door then,
+lean over there, put your right hand somewhere, reach forward, lean forward with your left hand,
+place your left hand over here, put it down, use your right hand, reach out with the left hand,
+grab it, take it with the left hand, with your right hand please, lean, lean on something, put
+your hand on it, touch it, get that, place a contact, find a support, support yourself with your
+right hand, move your left hand, give me your hand, hello, hi robot, how are you, what do you see,
+what is this, help me, raise your hand, can you lean, left hand, right hand please, do something,
+who are you, where is it, place your hand on that, reach for this, lean against that with your
+left, dance, sing a song, tell me a joke, walk to the door then
 """)
 
 

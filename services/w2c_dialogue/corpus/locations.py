@@ -1,7 +1,8 @@
 """Where: on a thing, or somewhere relative to things, with the expressions of the point that is meant.
 
-Directions are those of the picture: left is a smaller u, above and behind a smaller v. Distances without a
-number are parts of the size of the object. `{A}`, `{B}`, `{C}` are objects in order of mention.
+Directions are those of the picture: left is a smaller u, above and behind a smaller v. Distances
+without a number are parts of the size of the object. `{A}`, `{B}`, `{C}` are objects in order of
+mention.
 """
 
 from collections.abc import Callable
@@ -71,15 +72,29 @@ NUMBER_WORDS = {
 def beside(letter: str, du: int, dv: int, size: str) -> tuple[str, str]:
     """Return the point outside a box in a direction; `size` = expression of the distance from its edge."""
     sizes = {True: size.format(f"{letter}.width"), False: size.format(f"{letter}.height")}
-    x = {0: f"{letter}.u", -1: f"{letter}.left-{sizes[True]}", 1: f"{letter}.right+{sizes[True]}"}[du]
-    y = {0: f"{letter}.v", -1: f"{letter}.top-{sizes[False]}", 1: f"{letter}.bottom+{sizes[False]}"}[dv]
+    x = {0: f"{letter}.u", -1: f"{letter}.left-{sizes[True]}", 1: f"{letter}.right+{sizes[True]}"}[
+        du
+    ]
+    y = {
+        0: f"{letter}.v",
+        -1: f"{letter}.top-{sizes[False]}",
+        1: f"{letter}.bottom+{sizes[False]}",
+    }[dv]
     return x, y
 
 
 def inside(letter: str, du: int, dv: int) -> tuple[str, str]:
     """Return the point inside a box near an edge or a corner."""
-    x = {0: f"{letter}.u", -1: f"{letter}.left+0.15*{letter}.width", 1: f"{letter}.right-0.15*{letter}.width"}[du]
-    y = {0: f"{letter}.v", -1: f"{letter}.top+0.15*{letter}.height", 1: f"{letter}.bottom-0.15*{letter}.height"}[dv]
+    x = {
+        0: f"{letter}.u",
+        -1: f"{letter}.left+0.15*{letter}.width",
+        1: f"{letter}.right-0.15*{letter}.width",
+    }[du]
+    y = {
+        0: f"{letter}.v",
+        -1: f"{letter}.top+0.15*{letter}.height",
+        1: f"{letter}.bottom-0.15*{letter}.height",
+    }[dv]
     return x, y
 
 
@@ -110,7 +125,19 @@ def _side(draw: Draw) -> Location:
     if roll < 0.6:
         return Location(f"{text} {{A}}", *beside("a", du, dv, "0.5*{}"))
     if roll < 0.75:
-        near = draw.pick(("just", "slightly", "a bit", "a little", "immediately", "directly", "right", "closely", "a tiny bit"))
+        near = draw.pick(
+            (
+                "just",
+                "slightly",
+                "a bit",
+                "a little",
+                "immediately",
+                "directly",
+                "right",
+                "closely",
+                "a tiny bit",
+            )
+        )
         return Location(f"{near} {text} {{A}}", *beside("a", du, dv, "0.25*{}"))
     if roll < 0.85:
         far = draw.pick(("far", "well", "way", "a lot", "far away to the side,", "quite far"))
@@ -120,14 +147,17 @@ def _side(draw: Draw) -> Location:
 
 
 def _diagonal(draw: Draw) -> Location:
-    first, second = draw.pick((("left", "front"), ("right", "front"), ("left", "behind"), ("right", "behind")))
+    first, second = draw.pick(
+        (("left", "front"), ("right", "front"), ("left", "behind"), ("right", "behind"))
+    )
     if draw.chance(0.5):
         first, second = second, first
     plain = {
         "left": ("to the left", "left", "on the left"), "right": ("to the right", "right", "on the right"),
         "front": ("in front", "below", "down"), "behind": ("behind", "above", "up"),
     }  # fmt: skip
-    du, dv = (SIDES[first][i] + SIDES[second][i] for i in (1, 2))  # type: ignore[operator]  # the ints of the rows
+    du = SIDES[first][1] + SIDES[second][1]
+    dv = SIDES[first][2] + SIDES[second][2]
     text = f"{draw.pick(plain[first])} and {draw.pick(SIDES[second][0])} {{A}}"
     return Location(text, *beside("a", du, dv, "0.5*{}"))
 
@@ -152,7 +182,9 @@ def _edge(draw: Draw) -> Location:
         name = draw.pick(tuple(CORNERS))
         du, dv = CORNERS[name]
         words = draw.pick(("corner", "corner", "corner", "part", "quarter"))
-    lead = draw.pick(("on the", "at the", "on the", "near the", "the", "towards the", "close to the"))
+    lead = draw.pick(
+        ("on the", "at the", "on the", "near the", "the", "towards the", "close to the")
+    )
     return Location(f"{lead} {name} {words} of {{A}}", *inside("a", du, dv))
 
 
@@ -193,7 +225,15 @@ def _three(draw: Draw) -> Location:
 
 def _away(draw: Draw) -> Location:
     text = draw.pick(("from {A} to {B}", "between {A} and {B}", "of the way from {A} to {B}"))
-    word, share = draw.pick((("one third", "0.33"), ("a third", "0.33"), ("a quarter", "0.25"), ("two thirds", "0.67"), ("three quarters", "0.75")))
+    word, share = draw.pick(
+        (
+            ("one third", "0.33"),
+            ("a third", "0.33"),
+            ("a quarter", "0.25"),
+            ("two thirds", "0.67"),
+            ("three quarters", "0.75"),
+        )
+    )
     text = text if text.startswith("of") else f"of the way {text}"
     return Location(f"{word} {text}", f"a.u+{share}*(b.u-a.u)", f"a.v+{share}*(b.v-a.v)")
 

@@ -29,7 +29,9 @@ def noun(draw: Draw, *, surface: bool) -> str:
     if draw.chance(0.06):
         name = invented(draw)
         if draw.chance(0.25):
-            name = f"{name} {draw.pick(('it', 'and', 'o', 'n', 'x', invented(draw)))} {invented(draw)}"
+            name = (
+                f"{name} {draw.pick(('it', 'and', 'o', 'n', 'x', invented(draw)))} {invented(draw)}"
+            )
         return f"{name} {draw.pick(THINGS)}" if draw.chance(0.6) else name
     pool = SURFACES if draw.chance(0.7 if surface else 0.15) else THINGS
     name = draw.pick(pool)

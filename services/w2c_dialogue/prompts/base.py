@@ -1,7 +1,8 @@
 """A question to a model, and what every prompt set offers.
 
-A prompt set turns an utterance and what is known of the scene into questions. The answers of all sets have
-the same fields and are read by the modules; a set may ask for more (a chain of thought) before them.
+A prompt set turns an utterance and what is known of the scene into questions. The answers of all
+sets have the same fields and are read by the modules; a set may ask for more (a chain of thought)
+before them.
 """
 
 from collections.abc import Sequence
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from w2c.messages import Box, ChatMessage
-from w2c_dialogue.utterance import Span, Utterance
+from w2c_dialogue.utterance import Mention, Utterance
 
 TaskName = Literal["select", "analyze", "objects", "relative", "correct", "effector"]
 MODULES = ("prediction", "correction", "confirmation")
@@ -79,15 +80,21 @@ class PromptSet(Protocol):
     def objects(self, utterance: Utterance) -> Question:
         """Ask for the `objects` of a correction."""
 
-    def read_span(self, value: str, utterance: Utterance) -> Span:
-        """Return the words of the utterance that an entry of `objects` names. Raises RefusedError."""
+    def read_mention(self, value: str, utterance: Utterance) -> Mention:
+        """Return what an entry of `objects` names. Raises ModelError."""
 
     def relative(
-        self, utterance: Utterance, spans: Sequence[Span], objects: Sequence[SceneObject], pixels_per_cm: float
+        self,
+        utterance: Utterance,
+        mentions: Sequence[Mention],
+        objects: Sequence[SceneObject],
+        pixels_per_cm: float,
     ) -> Question:
         """Ask for the expressions `x` and `y` of a point that is described relative to objects."""
 
-    def correct(self, utterance: Utterance, spans: Sequence[Span], scene: CorrectionScene) -> Question:
+    def correct(
+        self, utterance: Utterance, mentions: Sequence[Mention], scene: CorrectionScene
+    ) -> Question:
         """Ask for the expressions `x` and `y` of the corrected target."""
 
     def effector(self, utterance: Utterance) -> Question:

@@ -1,13 +1,13 @@
 """The prompt set of the embedded model: a tag and the utterance, nothing else.
 
-The model is trained on exactly these texts (`w2c_dialogue.corpus`), so they need no explanation and no
-examples. It points at words by number, speaks of objects as A, B, C and of quantities by symbol: numbers are
-copied, never computed. See `w2c_dialogue.expressions` for the symbols.
+The model is trained on exactly these texts (`w2c_dialogue.corpus`), so they need no explanation
+and no examples. It points at words by number, speaks of objects as A, B, C and of quantities by
+symbol: numbers are copied, never computed. See `w2c_dialogue.expressions` for the symbols.
 """
 
 from collections.abc import Sequence
 
-from w2c.errors import RefusedError
+from w2c.errors import ModelError
 from w2c.messages import Box, ChatMessage
 from w2c_dialogue.prompts.base import (
     EFFECTORS,
@@ -21,10 +21,12 @@ from w2c_dialogue.prompts.base import (
     TaskName,
     schema_of,
 )
-from w2c_dialogue.utterance import LETTERS, Span, Utterance
+from w2c_dialogue.utterance import LETTERS, Mention, Span, Utterance
 
 IMAGE_WIDTH = 1280.0
 MAX_SPAN_WORDS = 10
+MAX_ENUM = 256
+"""Longer lists are refused by the language service."""
 MAX_EXPRESSION = 60
 REMEMBERED_MOVES = 3
 EXPRESSION_PATTERN = rf"^[a-z0-9.+*/()\[\]-]{{1,{MAX_EXPRESSION}}}$"
@@ -46,33 +48,47 @@ class EmbeddedPrompts:
             "position": {"type": "string", "enum": list(POSITIONS)},
             "objects": _spans_schema(utterance),
         }
-        return Question("analyze", _messages("analyze", utterance.numbered()), 1, schema_of(properties))
+        return Question(
+            "analyze", _messages("analyze", utterance.numbered()), 1, schema_of(properties)
+        )
 
     def objects(self, utterance: Utterance) -> Question:
         """Ask for the words of the objects in a correction."""
         properties = {"objects": _spans_schema(utterance)}
-        return Question("objects", _messages("objects", utterance.numbered()), 1, schema_of(properties))
+        return Question(
+            "objects", _messages("objects", utterance.numbered()), 1, schema_of(properties)
+        )
 
-    def read_span(self, value: str, utterance: Utterance) -> Span:
-        """Return the span that `5-6` names."""
+    def read_mention(self, value: str, utterance: Utterance) -> Mention:
+        """Return the phrase that `5-6` names."""
         first, dash, last = value.partition("-")
-        if not (dash and first.isascii() and first.isdigit() and last.isascii() and last.isdigit()):
-            raise RefusedError(f"the language model named an object by '{value[:40]}', not by its words")
-        span = Span(int(first[:6]), int(last[:6]))
-        utterance.phrase(span)
-        return span
+        numbers = [
+            text for text in (first, last) if text.isascii() and text.isdigit() and len(text) <= 3
+        ]
+        if not dash or len(numbers) < 2:
+            raise ModelError(f"an object is named by '{value[:40]}', expected words such as '5-6'")
+        span = Span(int(first), int(last))
+        return Mention(utterance.phrase(span), span)
 
     def relative(
-        self, utterance: Utterance, spans: Sequence[Span], objects: Sequence[SceneObject], pixels_per_cm: float
+        self,
+        utterance: Utterance,
+        mentions: Sequence[Mention],
+        objects: Sequence[SceneObject],
+        pixels_per_cm: float,
     ) -> Question:
         """Ask for a point relative to the objects. Distances are symbols, so the scale is not shown."""
         del pixels_per_cm
-        content = f"{describe_boxes([o.box for o in objects])}\n{utterance.with_letters(spans)}"
+        boxes = describe_boxes([o.box for o in objects])
+        content = f"{boxes}\n{utterance.with_letters([m.span for m in mentions])}"
         return Question("relative", _messages("relative", content), 1, _point_schema())
 
-    def correct(self, utterance: Utterance, spans: Sequence[Span], scene: CorrectionScene) -> Question:
+    def correct(
+        self, utterance: Utterance, mentions: Sequence[Mention], scene: CorrectionScene
+    ) -> Question:
         """Ask for the corrected target."""
-        content = f"{describe_moves(scene.moves)}\n{utterance.with_letters(spans)}"
+        moves = describe_moves(scene.moves)
+        content = f"{moves}\n{utterance.with_letters([m.span for m in mentions])}"
         return Question("correct", _messages("correct", content), 1, _point_schema())
 
     def effector(self, utterance: Utterance) -> Question:
@@ -81,14 +97,16 @@ class EmbeddedPrompts:
             "effector": {"type": "string", "enum": list(EFFECTORS)},
             "task": {"type": "string", "enum": list(TASKS)},
         }
-        return Question("effector", _messages("effector", utterance.folded_text), 1, schema_of(properties))
+        return Question(
+            "effector", _messages("effector", utterance.folded_text), 1, schema_of(properties)
+        )
 
 
 def describe_boxes(boxes: Sequence[Box]) -> str:
     """Return what the model must know of the boxes: where there is room, and the order of the first two.
 
-    One object is `A left`, `A middle` or `A right` in the picture; two are `A left of B`, `A right of B`,
-    `A above B` or `A below B`, along the axis with the wider gap.
+    One object is `A left`, `A middle` or `A right` in the picture; two are `A left of B`, `A right
+    of B`, `A above B` or `A below B`, along the axis with the wider gap.
     """
     if not boxes:
         return "nothing"
@@ -131,14 +149,25 @@ def _messages(tag: TaskName, content: str) -> tuple[ChatMessage, ...]:
 
 
 def _spans_schema(utterance: Utterance) -> dict[str, object]:
-    """Allow exactly the ranges of words that the utterance has."""
+    """Allow exactly the ranges of words that the utterance has; any two of its numbers in a long one."""
     count = len(utterance.typed)
     ranges = [
         f"{first}-{last}"
         for first in range(1, count + 1)
         for last in range(first, min(first + MAX_SPAN_WORDS, count + 1))
     ]
-    return {"type": "array", "items": {"type": "string", "enum": ranges}, "minItems": 0, "maxItems": len(LETTERS)}
+    items: dict[str, object] = {"type": "string", "enum": ranges}
+    if len(ranges) > MAX_ENUM:
+        number = _numbers_up_to(count)
+        items = {"type": "string", "pattern": f"^({number})-({number})$"}
+    return {"type": "array", "items": items, "minItems": 0, "maxItems": len(LETTERS)}
+
+
+def _numbers_up_to(count: int) -> str:
+    """Return the regular expression of the numbers 1 to `count` (10 to 99)."""
+    tens, ones = divmod(count, 10)
+    below = f"[1-{tens - 1}][0-9]|" if tens > 1 else ""
+    return f"[1-9]|{below}{tens}[0-{ones}]"
 
 
 def _point_schema() -> dict[str, object]:

@@ -1,0 +1,66 @@
+"""Correction: move the shown point, with or without objects, knowing what was said before (paper, "Correction Module")."""
+
+from dataclasses import dataclass, replace
+
+from w2c.errors import RefusedError
+from w2c_dialogue.analyzer import objects_of_correction
+from w2c_dialogue.answers import PointAnswer, read
+from w2c_dialogue.expressions import UnknownSymbolError, correction_symbols, evaluate_point
+from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
+from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
+from w2c_dialogue.relative import OUTSIDE
+from w2c_dialogue.sight import Prediction, look, scene_objects, twin_warnings
+from w2c_dialogue.utterance import Utterance
+
+NOTICEABLE = 0.5
+"""A shorter move is none [px]."""
+_UNDO = ("target.u-last.du", "target.v-last.dv")
+
+
+@dataclass(frozen=True)
+class CorrectedPoint:
+    """Where the target goes."""
+
+    prediction: Prediction
+    undo: bool
+    """It takes back the last correction, which is then forgotten: a second undo takes back the one before."""
+
+
+def correct(
+    model: LanguageModel,
+    prompts: PromptSet,
+    grounding: Grounding,
+    frame: Frame,
+    utterance: Utterance,
+    scene: CorrectionScene,
+) -> CorrectedPoint:
+    """Return the corrected target. `scene.objects` is filled here, from the utterance.
+
+    Raises:
+        RefusedError: an object is not seen, there is no earlier move to speak of, or nothing is to
+        change. ModelError: the model's answer cannot be followed. CallError: a service does not
+        answer.
+    """
+    mentions = objects_of_correction(model, prompts, utterance)
+    evidence = look(grounding, frame, mentions, "boxes") if mentions else []
+    scene = replace(scene, objects=scene_objects(evidence))
+    answer = read(model.complete(prompts.correct(utterance, mentions, scene)), PointAnswer)
+    size = (frame.width, frame.height)
+    try:
+        point = evaluate_point(answer.x, answer.y, correction_symbols(scene), size)
+    except UnknownSymbolError as error:
+        if error.symbol.startswith(("last", "moves")):
+            raise RefusedError(
+                f"You speak of an earlier move, and there are {len(scene.moves)}. "
+                "Say a direction, for example: a bit to the left."
+            ) from error
+        raise
+    step = max(abs(point.u - scene.target[0]), abs(point.v - scene.target[1]))
+    if step < NOTICEABLE and not point.clipped:
+        raise RefusedError(
+            "The target stays where it is. Say where to move it, for example: a bit to the left; "
+            "or name another place."
+        )
+    warnings = twin_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
+    undo = (answer.x, answer.y) == _UNDO
+    return CorrectedPoint(Prediction(point.u, point.v, scene.objects, warnings), undo)

@@ -1,0 +1,71 @@
+"""What the dialogue needs of the rest of the system. The node gives bus calls, tests give fakes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+from w2c.messages import CameraView, GoalReply, LiftReply, PhraseEvidence, PlaceGoal
+from w2c_dialogue.prompts.base import Question
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A picture the operator may have seen."""
+
+    stamp_ns: int
+    width: int
+    height: int
+    jpeg: bytes
+    view: CameraView | None = None
+    """Where the camera was; None where perception has not said"""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The answer to a question with options."""
+
+    option: str
+    probabilities: dict[str, float]
+
+
+class LanguageModel(Protocol):
+    """Answers questions. Errors are CallErrors."""
+
+    def complete(self, question: Question) -> Any:
+        """Return the decoded JSON; it may be anything, the reader validates."""
+
+    def choose(self, question: Question, log_prior: Mapping[str, float]) -> Choice:
+        """Return one of the question's options."""
+
+
+class Grounding(Protocol):
+    """Finds phrases in a picture."""
+
+    def ground(
+        self, frame: Frame, phrases: Sequence[str], want: Literal["heatmaps", "boxes"]
+    ) -> list[PhraseEvidence]:
+        """Return the evidence for each phrase, in order."""
+
+
+class Lift(Protocol):
+    """Knows the depth of a frame."""
+
+    def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
+        """Return the point of the world behind a pixel. Raises RefusedError where there is no depth."""
+
+
+class Controller(Protocol):
+    """Moves the robot."""
+
+    def place(self, goal: PlaceGoal) -> GoalReply:
+        """Start to move. Raises RefusedError, with a reason for the operator."""
+
+    def stop(self, reason: str) -> str:
+        """Hold the robot. Returns what acknowledged it, for the operator."""
+
+
+class Stopwatch(Protocol):
+    """Tells how long things take."""
+
+    def __call__(self) -> int:
+        """Return a monotonic time [ns]."""

@@ -1,0 +1,150 @@
+"""Bus in, bus out: serves `say`, `confirm` and `point`, publishes the target and every turn."""
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+from w2c import topics
+from w2c.bus import Bus
+from w2c.bus.interface import Queue
+from w2c.clock import Clock
+from w2c.messages import (
+    CameraFrame,
+    CameraView,
+    ConfirmRequest,
+    GoalEvent,
+    Message,
+    PointRequest,
+    SayRequest,
+    Target,
+    Turn,
+)
+from w2c_dialogue.config import DialogueConfig
+from w2c_dialogue.frames import FrameStore
+from w2c_dialogue.interfaces import Frame
+from w2c_dialogue.pipeline import Dialogue
+from w2c_dialogue.prompts.base import PromptSet
+from w2c_dialogue.prompts.embedded import EmbeddedPrompts
+from w2c_dialogue.prompts.large import LargePrompts
+from w2c_dialogue.remote import RemoteServices
+
+_LOG = logging.getLogger("w2c.dialogue")
+M = TypeVar("M", bound=Message)
+
+PROMPT_SETS: dict[str, Callable[[], PromptSet]] = {
+    EmbeddedPrompts.name: EmbeddedPrompts,
+    LargePrompts.name: LargePrompts,
+}
+POLL_S = 0.2
+"""How long a thread waits for a message before it looks for the end."""
+REPEAT_S = 0.5
+"""The present target is repeated, for who joins later."""
+FRAME_QUEUE = 8
+"""Every picture may be the one the operator saw; a few may wait while the process is busy."""
+WORKERS = 4
+"""One turn at a time, but `stop` must not wait behind it."""
+
+
+class DialogueNode:
+    """The conversation as a process."""
+
+    def __init__(self, config: DialogueConfig, bus: Bus, clock: Clock) -> None:
+        self._config = config
+        self._bus = bus
+        self._clock = clock
+        self._frames = FrameStore()
+        services = RemoteServices(bus, seed=config.seed, model_timeout_s=config.model_timeout)
+        prompts = PROMPT_SETS[config.prompts]()
+        self._dialogue = Dialogue(
+            services, services, services, services, prompts, self._frames, clock, bus.boot_id[:6]
+        )
+        self._target: Target | None = None
+        self._stop = threading.Event()
+        self._threads: list[threading.Thread] = []
+
+    def configure(self) -> None:
+        """Subscribe and serve."""
+        self._status = self._bus.latest(topics.CONTROLLER_STATUS)
+        self._pump(self._bus.queue(topics.CAMERA_FRAME, FRAME_QUEUE), self._on_frame, "frames")
+        self._pump(self._bus.queue(topics.CAMERA_VIEW), self._on_view, "views")
+        self._pump(self._bus.queue(topics.GOAL_EVENT), self._on_goal_event, "goals")
+        self._bus.serve(topics.SAY, lambda request, _: self.say(request), workers=WORKERS)
+        self._bus.serve(topics.CONFIRM, lambda request, _: self.confirm(request), workers=WORKERS)
+        self._bus.serve(topics.POINT, lambda request, _: self.point(request), workers=WORKERS)
+
+    def run(self, stop: threading.Event) -> None:
+        """Repeat the target and watch over the goal until the end."""
+        while not stop.wait(REPEAT_S):
+            if self._target is not None:
+                self._bus.publish(topics.TARGET, self._target)
+            self.check_goal()
+
+    def close(self) -> None:
+        """End the threads."""
+        self._stop.set()
+        for thread in self._threads:
+            thread.join(timeout=2.0)
+
+    def say(self, request: SayRequest) -> Turn:
+        """Answer an utterance."""
+        return self._publish(self._dialogue.say(request))
+
+    def confirm(self, request: ConfirmRequest) -> Turn:
+        """Answer the Confirm button."""
+        return self._publish(self._dialogue.confirm(request))
+
+    def point(self, request: PointRequest) -> Turn:
+        """Answer a click."""
+        return self._publish(self._dialogue.point(request))
+
+    def check_goal(self) -> None:
+        """Give up a goal that the controller does not know any more: it may have been restarted."""
+        goal = self._dialogue.goal()
+        silence = self._config.goal_silence
+        if goal is None or (self._clock.now_ns() - goal.since_ns) * 1e-9 < silence:
+            return
+        status = self._status.last()
+        if status is None or self._status.age_s() > silence:
+            reason = "the controller does not report"
+        elif status.message.goal_id != goal.goal_id:
+            reason = status.message.message or "the controller does not follow it any more"
+        else:
+            return
+        turn = self._dialogue.lose_goal(goal.goal_id, reason)
+        if turn is not None:
+            self._publish(turn)
+
+    def _on_frame(self, message: CameraFrame) -> None:
+        self._frames.add_frame(Frame(message.stamp_ns, message.width, message.height, message.jpeg))
+
+    def _on_view(self, message: CameraView) -> None:
+        self._frames.add_view(message)
+
+    def _on_goal_event(self, message: GoalEvent) -> None:
+        turn = self._dialogue.follow(message)
+        if turn is not None:
+            self._publish(turn)
+
+    def _publish(self, turn: Turn) -> Turn:
+        if turn.target is not None:
+            self._target = turn.target
+            self._bus.publish(topics.TARGET, turn.target)
+        self._bus.publish(topics.TURN, turn)
+        _LOG.info(
+            "turn", extra={"module_name": turn.module, "ok": turn.ok, "seconds": turn.seconds}
+        )
+        return turn
+
+    def _pump(self, queue: Queue[M], handle: Callable[[M], None], name: str) -> None:
+        """Hand every message of a queue to a handler, on a thread of its own."""
+
+        def work() -> None:
+            while not self._stop.is_set():
+                received = queue.receive(POLL_S)
+                if received is not None:
+                    handle(received.message)
+
+        thread = threading.Thread(target=work, name=name, daemon=True)
+        self._threads.append(thread)
+        thread.start()

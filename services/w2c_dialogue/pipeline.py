@@ -1,0 +1,329 @@
+"""One turn of the conversation: words, a click or a yes in; a `Turn` out (paper, Methods, overview figure).
+
+Every failure is a turn with `ok=False` and a reply that says what to do. Nothing moves without a
+confirmation that names the target on the screen.
+"""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from w2c.clock import Clock
+from w2c.errors import CallError, DeadlineError, RefusedError, W2CError
+from w2c.messages import (
+    ConfirmRequest,
+    GoalEvent,
+    LiftReply,
+    PlaceGoal,
+    PointRequest,
+    SayRequest,
+    Target,
+    Turn,
+)
+from w2c_dialogue import absolute, effector, relative, replies
+from w2c_dialogue.analyzer import analyze
+from w2c_dialogue.conversation import Conversation, Goal, Shown
+from w2c_dialogue.corrector import correct
+from w2c_dialogue.frames import FrameStore, pixels_per_cm, project
+from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
+from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
+from w2c_dialogue.selector import select
+from w2c_dialogue.sight import Prediction
+from w2c_dialogue.steps import Services, Steps
+from w2c_dialogue.utterance import Utterance, parse
+
+FRAME_WAIT_S = 0.5
+"""A picture the operator already saw may still be on its way here, or its camera pose [s]."""
+STOP_WORDS = frozenset({"stop", "halt", "freeze"})
+STOP_LENGTH = 3
+"""`stop`, `robot stop now`: longer sentences with the word are for the model."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a turn came to."""
+
+    module: str
+    reply: str
+    target: Target | None = None
+    goal: Goal | None = None
+    ok: bool = True
+
+
+class Dialogue:
+    """The modules of the paper around one conversation. Thread-safe; one turn at a time, but stop never waits."""
+
+    def __init__(
+        self,
+        model: LanguageModel,
+        grounding: Grounding,
+        lift: Lift,
+        controller: Controller,
+        prompts: PromptSet,
+        frames: FrameStore,
+        clock: Clock,
+        prefix: str,
+    ) -> None:
+        self._model, self._grounding, self._lift, self._controller = (
+            model,
+            grounding,
+            lift,
+            controller,
+        )
+        self._prompts = prompts
+        self._frames = frames
+        self._clock = clock
+        self._conversation = Conversation(prefix)
+        self._turn = threading.Lock()
+        self._stops = 0
+
+    def say(self, request: SayRequest) -> Turn:
+        """Answer an utterance."""
+        if is_stop(request.text):
+            return self._stop(request.text)
+        return self._take_turn(request.text, lambda services: self._say(request, services))
+
+    def confirm(self, request: ConfirmRequest) -> Turn:
+        """Answer the Confirm button."""
+        return self._take_turn("", lambda services: self._confirm(request.target_id, services))
+
+    def point(self, request: PointRequest) -> Turn:
+        """Answer a click into the picture."""
+        return self._take_turn("", lambda services: self._point(request, services))
+
+    def follow(self, event: GoalEvent) -> Turn | None:
+        """Follow the robot. Returns a turn when the goal of this conversation is over."""
+        with self._turn:
+            over = self._conversation.progress(event, self._clock.now_ns())
+        return None if over is None else self._ended(*over)
+
+    def lose_goal(self, goal_id: str, reason: str) -> Turn | None:
+        """Give up a goal of which the controller knows nothing any more; None if it is over already."""
+        with self._turn:
+            goal = self._conversation.goal
+            if goal is None or goal.goal_id != goal_id:
+                return None
+            target = self._conversation.abandon_goal(reason)
+        return self._ended(goal, target)
+
+    def goal(self) -> Goal | None:
+        """Return the goal under way."""
+        return self._conversation.goal
+
+    # --- turns -----------------------------------------------------------------------------------------------------
+
+    def _take_turn(self, text: str, work: Callable[[Services], Outcome]) -> Turn:
+        steps = Steps(self._clock)
+        services = Services(self._model, self._grounding, self._lift, self._controller, steps)
+        with self._turn:
+            if self._conversation.goal is not None:
+                outcome = Outcome("none", replies.moving(self._conversation.goal), ok=False)
+            else:
+                try:
+                    outcome = work(services)
+                except W2CError as error:
+                    outcome = Outcome("none", replies.failure(error, steps.latest), ok=False)
+        return self._report(text, outcome, steps)
+
+    def _say(self, request: SayRequest, services: Services) -> Outcome:
+        utterance = parse(request.text)
+        shown = self._conversation.shown
+        selection = select(services, self._prompts, utterance, has_target=shown is not None)
+        if selection.module == "confirmation" and not selection.sure:
+            return Outcome(
+                "none",
+                "Did you mean yes? Say 'yes, go there' or press Confirm; or tell me what to "
+                "change.",
+                ok=False,
+            )
+        if selection.module == "confirmation":
+            return self._confirm(request.target_id, services)
+        frame = self._frames.find(request.frame_stamp_ns, FRAME_WAIT_S)
+        if selection.module == "correction" and shown is not None:
+            return self._correct(utterance, shown, frame, services)
+        return self._predict(utterance, frame, services)
+
+    def _predict(self, utterance: Utterance, frame: Frame, services: Services) -> Outcome:
+        analysis = analyze(services, self._prompts, utterance)
+        if not analysis.mentions:
+            raise RefusedError(
+                "I did not hear an object or a place in that. "
+                "Name something in the picture, for example: lean on the table with your right "
+                "hand."
+            )
+        if analysis.position == "absolute":
+            prediction = absolute.predict(services, frame, analysis.mentions[0])
+        else:
+            scale = pixels_per_cm(None, frame.view)
+            prediction = relative.predict(
+                services, self._prompts, services, frame, utterance, analysis.mentions, scale
+            )
+        lifted, warnings = self._depth(prediction, frame, services)
+        target = self._conversation.propose(prediction, frame, utterance.text, lifted, warnings)
+        return Outcome(
+            f"prediction.{analysis.position}", replies.proposal(target, analysis.position), target
+        )
+
+    def _correct(
+        self, utterance: Utterance, shown: Shown, frame: Frame, services: Services
+    ) -> Outcome:
+        frame, scene = locate(shown, frame)
+        corrected = correct(services, self._prompts, services, frame, utterance, scene)
+        lifted, warnings = self._depth(corrected.prediction, frame, services)
+        target = self._conversation.correct(
+            corrected.prediction,
+            scene,
+            frame,
+            utterance.text,
+            lifted,
+            warnings,
+            undo=corrected.undo,
+        )
+        du, dv = target.u - scene.target[0], target.v - scene.target[1]
+        return Outcome("correction", replies.correction(target, du, dv), target)
+
+    def _point(self, request: PointRequest, services: Services) -> Outcome:
+        frame = self._frames.find(request.frame_stamp_ns, FRAME_WAIT_S)
+        if not (0 <= request.u <= frame.width and 0 <= request.v <= frame.height):
+            raise RefusedError(
+                f"({request.u:.0f}, {request.v:.0f}) is outside the picture of "
+                f"{frame.width}x{frame.height}."
+            )
+        shown = self._conversation.shown
+        instruction = shown.target.instruction if shown else ""
+        prediction = Prediction(request.u, request.v, ())
+        lifted, warnings = self._depth(prediction, frame, services)
+        target = self._conversation.propose(
+            prediction,
+            frame,
+            instruction,
+            lifted,
+            warnings,
+            effector=request.end_effector,
+            task=request.task,
+        )
+        return Outcome("point", replies.proposal(target, "point"), target)
+
+    def _confirm(self, target_id: str, services: Services) -> Outcome:
+        stops = self._stops
+        shown = self._conversation.check_confirmation(target_id)
+        if shown.target.point is None:
+            shown = self._conversation.lifted(
+                services.lift(shown.target.u, shown.target.v, shown.target.frame_stamp_ns)
+            )
+        point, normal = shown.target.point, shown.target.normal
+        if point is None or normal is None:
+            raise RefusedError(
+                "There is no depth at the target. Move it a bit, then confirm again."
+            )
+        named, task = shown.effector, shown.task
+        if (named is None or task is None) and shown.target.instruction:
+            heard = effector.choose_effector(
+                services, self._prompts, parse(shown.target.instruction)
+            )
+            named, task = named or heard[0], task or heard[1]
+        limb = named or effector.nearest_hand(point)
+        task = task or "contact"
+        if self._stops != stops:
+            raise RefusedError(
+                "You said stop meanwhile; I did not move. Confirm again to go there."
+            )
+        goal_id = self._conversation.next_id("goal")
+        request = PlaceGoal(
+            goal_id=goal_id, end_effector=limb, task=task, point=point, normal=normal
+        )
+        try:
+            services.place(request)
+        except DeadlineError as error:
+            raise RefusedError(
+                f"The controller did not answer in time ({error}). It may still move: watch it, "
+                "and say stop to hold."
+            ) from error
+        target = self._conversation.confirm(goal_id, limb, task, self._clock.now_ns())
+        goal = self._conversation.goal
+        reply = replies.confirmed(limb, task, assumed=named is None)
+        return Outcome("confirmation", reply, target, goal)
+
+    def _stop(self, text: str) -> Turn:
+        """Hold the robot, whatever else goes on."""
+        self._stops += 1
+        steps = Steps(self._clock)
+        try:
+            outcome = Outcome("none", self._controller.stop(f"operator said '{text[:50]}'"))
+        except W2CError as error:
+            reply = f"STOP WAS NOT ACKNOWLEDGED ({error}). Use the stop button of the robot."
+            outcome = Outcome("none", reply, ok=False)
+        return self._report(text, outcome, steps)
+
+    # --- helpers ---------------------------------------------------------------------------------------------------
+
+    def _depth(
+        self, prediction: Prediction, frame: Frame, services: Services
+    ) -> tuple[LiftReply | None, tuple[str, ...]]:
+        """Return the world point of a pixel, or why there is none: the target is shown in any case."""
+        try:
+            return services.lift(prediction.u, prediction.v, frame.stamp_ns), ()
+        except RefusedError as error:
+            return None, (
+                f"I cannot tell how far away it is there ({error}): move the target a bit.",
+            )
+        except CallError as error:
+            return None, (f"Perception does not answer ({error}), so I cannot go there yet.",)
+
+    def _ended(self, goal: Goal, target: Target) -> Turn:
+        outcome = Outcome(
+            "none", replies.arrived(goal, target), target, goal, ok=target.state != "abandoned"
+        )
+        return self._report("", outcome, Steps(self._clock))
+
+    def _report(self, text: str, outcome: Outcome, steps: Steps) -> Turn:
+        goal = outcome.goal
+        return Turn(
+            stamp_ns=self._clock.now_ns(),
+            text=text,
+            module=outcome.module,
+            reply=outcome.reply,
+            ok=outcome.ok,
+            target=outcome.target,
+            goal_id=goal.goal_id if goal else "",
+            end_effector=goal.effector if goal else "",
+            task=goal.task if goal else "",
+            seconds=steps.total(),
+            steps=steps.seconds,
+        )
+
+
+def is_stop(text: str) -> bool:
+    """Say whether an utterance is an order to hold. No model is asked: it must work when all models are dead."""
+    try:
+        words = [word.rstrip(",") for word in parse(text).folded]
+    except RefusedError:
+        return False
+    return len(words) <= STOP_LENGTH and bool(STOP_WORDS & {words[0], words[-1]})
+
+
+def locate(shown: Shown, frame: Frame) -> tuple[Frame, CorrectionScene]:
+    """Find the target in the picture the operator sees now.
+
+    The picture may be newer than the target's: then the target is its 3D point, projected. Without
+    depth or camera pose the target stays in its own picture.
+
+    Raises:
+        RefusedError: the target is not in the present picture.
+    """
+    point, view = shown.target.point, frame.view
+    if point is None or view is None or frame.stamp_ns == shown.frame.stamp_ns:
+        scale = pixels_per_cm(point, shown.frame.view)
+        return shown.frame, shown.scene((shown.target.u, shown.target.v), scale)
+    scale = pixels_per_cm(point, view)
+    before = shown.frame.view
+    if before is not None and np.allclose(
+        before.world_from_camera, view.world_from_camera, atol=1e-4
+    ):
+        return frame, shown.scene((shown.target.u, shown.target.v), scale)
+    at = project(point, view)
+    if at is None:
+        raise RefusedError("The target is not in the picture you see. Name the place again.")
+    return frame, shown.scene(at, scale)

@@ -1,0 +1,39 @@
+"""Relative prediction: the place is described relative to objects (paper, "Relative Positions")."""
+
+from collections.abc import Sequence
+
+from w2c_dialogue.answers import PointAnswer, read
+from w2c_dialogue.expressions import evaluate_point, object_symbols
+from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
+from w2c_dialogue.prompts.base import PromptSet
+from w2c_dialogue.sight import Prediction, look, scene_objects, twin_warnings
+from w2c_dialogue.utterance import Mention, Utterance
+
+OUTSIDE = "That is outside the picture; I took the nearest point inside."
+
+
+def predict(
+    model: LanguageModel,
+    prompts: PromptSet,
+    grounding: Grounding,
+    frame: Frame,
+    utterance: Utterance,
+    mentions: Sequence[Mention],
+    pixels_per_cm: float,
+) -> Prediction:
+    """Return the point that the words describe, by arithmetic of a model on the boxes of the objects.
+
+    Raises:
+        RefusedError: an object is not seen.
+        ModelError: the model's arithmetic cannot be followed.
+        CallError: a service does not answer.
+    """
+    evidence = look(grounding, frame, mentions, "boxes")
+    objects = scene_objects(evidence)
+    answer = read(
+        model.complete(prompts.relative(utterance, mentions, objects, pixels_per_cm)), PointAnswer
+    )
+    symbols = object_symbols([item.box for item in objects], pixels_per_cm)
+    point = evaluate_point(answer.x, answer.y, symbols, (frame.width, frame.height))
+    warnings = twin_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
+    return Prediction(point.u, point.v, objects, warnings)

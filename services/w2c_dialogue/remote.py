@@ -1,0 +1,87 @@
+"""The other services, behind the interfaces of this one. Each call has a deadline and leaves a trace on the bus."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from w2c import topics
+from w2c.bus import Bus
+from w2c.errors import W2CError
+from w2c.messages import (
+    ChooseRequest,
+    CompleteRequest,
+    GoalReply,
+    GroundingRequest,
+    LiftReply,
+    LiftRequest,
+    PhraseEvidence,
+    PlaceGoal,
+    StopRequest,
+)
+from w2c_dialogue.interfaces import Choice, Frame
+from w2c_dialogue.prompts.base import Question
+
+
+class RemoteServices:
+    """Language model, grounding, perception and controller over the bus."""
+
+    def __init__(self, bus: Bus, *, seed: int, model_timeout_s: float) -> None:
+        self._bus = bus
+        self._seed = seed
+        self._timeout_s = model_timeout_s
+
+    def complete(self, question: Question) -> Any:
+        """Ask the language model for JSON."""
+        request = CompleteRequest(
+            messages=list(question.messages),
+            schema=question.schema or {},
+            seed=self._seed,
+            constant_messages=question.constant_messages,
+        )
+        return self._bus.call(topics.COMPLETE, request, timeout_s=self._timeout_s).message.value
+
+    def choose(self, question: Question, log_prior: Mapping[str, float]) -> Choice:
+        """Ask the language model for an option."""
+        request = ChooseRequest(
+            messages=list(question.messages),
+            options=list(question.options),
+            log_prior=dict(log_prior),
+            constant_messages=question.constant_messages,
+        )
+        reply = self._bus.call(topics.CHOOSE, request, timeout_s=self._timeout_s).message
+        return Choice(reply.option, reply.probabilities)
+
+    def ground(
+        self, frame: Frame, phrases: Sequence[str], want: Literal["heatmaps", "boxes"]
+    ) -> list[PhraseEvidence]:
+        """Look for phrases in a picture."""
+        request = GroundingRequest(jpeg=frame.jpeg, phrases=list(phrases), want=want)
+        return self._bus.call(topics.GROUND, request, timeout_s=self._timeout_s).message.evidence
+
+    def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
+        """Find the point of the world behind a pixel."""
+        request = LiftRequest(u=u, v=v, frame_stamp_ns=frame_stamp_ns)
+        return self._bus.call(topics.LIFT, request).message
+
+    def place(self, goal: PlaceGoal) -> GoalReply:
+        """Set the robot in motion."""
+        return self._bus.call(topics.PLACE, goal).message
+
+    def stop(self, reason: str) -> str:
+        """Hold the robot: its driver first, which needs nobody else, then the controller.
+
+        Raises:
+            W2CError: the driver did not acknowledge.
+        """
+        request = StopRequest(reason=reason)
+        try:
+            reply = self._bus.call(topics.ROBOT_STOP, request).message
+        finally:
+            controller = self._stop_controller(request)
+        return f"The robot holds ({reply.mode}); {controller}. `w2c resume` lets it move again."
+
+    def _stop_controller(self, request: StopRequest) -> str:
+        try:
+            self._bus.call(topics.CONTROLLER_STOP, request)
+        except W2CError as error:
+            return f"the controller did not acknowledge ({error}), the driver obeys no one else"
+        return "the controller knows"

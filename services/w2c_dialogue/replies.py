@@ -1,0 +1,85 @@
+"""Sentences to the operator: short, what was understood, what to do next."""
+
+from w2c.errors import DeadlineError, ModelError, RefusedError, UnavailableError, W2CError
+from w2c.messages import EndEffector, Target, Task
+from w2c_dialogue.conversation import Goal
+
+SERVICES = {
+    "selector": "language model",
+    "analyzer": "language model",
+    "relative": "language model",
+    "correction": "language model",
+    "effector": "language model",
+    "grounding": "grounding service",
+    "lift": "perception",
+    "place": "controller",
+}
+"""Who does the work of a step."""
+_ASK = "Say yes or press Confirm to go there, or correct me."
+
+
+def failure(error: W2CError, step: str) -> str:
+    """Return why a turn failed at a step, and what to do."""
+    service = SERVICES.get(step, "system")
+    if isinstance(error, RefusedError):
+        return str(error)
+    if isinstance(error, ModelError):
+        return f"I could not follow that ({error}). Nothing changed; please say it in other words."
+    if isinstance(error, UnavailableError):
+        return f"The {service} is not there ({error}). Nothing changed; look at `w2c status` and say it again."
+    if isinstance(error, DeadlineError):
+        return (
+            f"The {service} did not answer in time ({error}). Nothing changed; please say it again."
+        )
+    return f"The {service} failed ({error}). Nothing changed; please say it again."
+
+
+def proposal(target: Target, position: str) -> str:
+    """Return the answer to a new instruction."""
+    names = " and ".join(f"'{phrase}'" for phrase in target.phrases)
+    where = (
+        f"on {names}"
+        if position == "absolute" and names
+        else f"relative to {names}"
+        if names
+        else "here"
+    )
+    return _with_warning(f"I understood the point shown, {where}.", target)
+
+
+def correction(target: Target, du: float, dv: float) -> str:
+    """Return the answer to a correction by (du, dv) [px]."""
+    parts = []
+    if abs(du) >= 0.5:
+        parts.append(f"{abs(du):.0f} px {'right' if du > 0 else 'left'}")
+    if abs(dv) >= 0.5:
+        parts.append(f"{abs(dv):.0f} px {'down' if dv > 0 else 'up'}")
+    return _with_warning(f"Moved {' and '.join(parts) or 'to the border of the picture'}.", target)
+
+
+def confirmed(effector: EndEffector, task: Task, *, assumed: bool) -> str:
+    """Return the answer to a yes."""
+    limb = effector.replace("_", " ")
+    verb = "lean on it" if task == "contact" else "reach for it"
+    side = f" You named no hand; I take the {limb}, which is on that side." if assumed else ""
+    return f"I {verb} with my {limb}.{side} Say stop to hold."
+
+
+def moving(goal: Goal) -> str:
+    """Return the answer to anything said while the robot moves."""
+    return f"I am moving my {goal.effector.replace('_', ' ')} to the target. Wait until I am there, or say stop."
+
+
+def arrived(goal: Goal, target: Target) -> str:
+    """Return what to say when a goal is over."""
+    limb = goal.effector.replace("_", " ")
+    if target.state == "in_contact":
+        return f"My {limb} is in contact and carries weight."
+    if target.state == "reached":
+        return f"My {limb} has reached the target."
+    return f"I gave up on the target: {target.warning or 'the controller ended the motion'}. Name another place."
+
+
+def _with_warning(text: str, target: Target) -> str:
+    warning = f" {target.warning}" if target.warning else ""
+    return f"{text}{warning} {_ASK}" if target.point is not None else f"{text}{warning}"

@@ -1,0 +1,92 @@
+"""Where the time of a turn goes, and at which step it failed: services behind a stopwatch."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, Literal
+
+from w2c.clock import Clock
+from w2c.messages import GoalReply, LiftReply, PhraseEvidence, PlaceGoal
+from w2c_dialogue.interfaces import Choice, Controller, Frame, Grounding, LanguageModel, Lift
+from w2c_dialogue.prompts.base import Question
+
+STEP_OF_TASK = {
+    "select": "selector",
+    "analyze": "analyzer",
+    "objects": "analyzer",
+    "relative": "relative",
+    "correct": "correction",
+    "effector": "effector",
+}
+
+
+class Steps:
+    """Seconds spent in each step of one turn."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._start_ns = clock.now_ns()
+        self.seconds: dict[str, float] = {}
+        self.latest = ""
+        """The step that began last: the one that failed, when one did."""
+
+    def total(self) -> float:
+        """Return the time since the turn began [s]."""
+        return (self._clock.now_ns() - self._start_ns) * 1e-9
+
+    @contextmanager
+    def measure(self, step: str) -> Iterator[None]:
+        """Add the time of the block to a step."""
+        self.latest = step
+        start_ns = self._clock.now_ns()
+        try:
+            yield
+        finally:
+            spent = (self._clock.now_ns() - start_ns) * 1e-9
+            self.seconds[step] = self.seconds.get(step, 0.0) + spent
+
+
+class Services:
+    """The language model, grounding, lift and controller of one turn, timed."""
+
+    def __init__(
+        self,
+        model: LanguageModel,
+        grounding: Grounding,
+        lift: Lift,
+        controller: Controller,
+        steps: Steps,
+    ) -> None:
+        self._model, self._grounding, self._lift, self._controller = (
+            model,
+            grounding,
+            lift,
+            controller,
+        )
+        self._steps = steps
+
+    def complete(self, question: Question) -> Any:
+        """Ask the language model for JSON."""
+        with self._steps.measure(STEP_OF_TASK[question.task]):
+            return self._model.complete(question)
+
+    def choose(self, question: Question, log_prior: Mapping[str, float]) -> Choice:
+        """Ask the language model for an option."""
+        with self._steps.measure(STEP_OF_TASK[question.task]):
+            return self._model.choose(question, log_prior)
+
+    def ground(
+        self, frame: Frame, phrases: Sequence[str], want: Literal["heatmaps", "boxes"]
+    ) -> list[PhraseEvidence]:
+        """Look for phrases."""
+        with self._steps.measure("grounding"):
+            return self._grounding.ground(frame, phrases, want)
+
+    def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
+        """Find the depth of a pixel."""
+        with self._steps.measure("lift"):
+            return self._lift.lift(u, v, frame_stamp_ns)
+
+    def place(self, goal: PlaceGoal) -> GoalReply:
+        """Set the robot in motion."""
+        with self._steps.measure("place"):
+            return self._controller.place(goal)

@@ -1,0 +1,530 @@
+"""The conversation of scenario (a), and all that goes wrong in conversations."""
+
+import numpy as np
+import pytest
+from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
+
+from w2c.clock import StepClock
+from w2c.errors import DeadlineError, ModelError, RefusedError, UnavailableError
+from w2c.messages import CameraView, ConfirmRequest, GoalEvent, PointRequest, SayRequest, Turn
+from w2c_dialogue.frames import FrameStore
+from w2c_dialogue.interfaces import Frame
+from w2c_dialogue.pipeline import Dialogue, is_stop
+from w2c_dialogue.prompts.embedded import EmbeddedPrompts
+
+BOOK = (400, 300, 600, 420)
+CUP = (900, 200, 960, 280)
+STAY = {"x": "target.u", "y": "target.v"}
+
+
+class World:
+    """A dialogue among fakes."""
+
+    def __init__(self, **answers: list[object]) -> None:
+        defaults: dict[str, list[object]] = {
+            "select": ["prediction"],
+            "analyze": [{"position": "absolute", "objects": ["8-8"]}],
+            "objects": [{"objects": []}],
+            "effector": [{"effector": "right_hand", "task": "contact"}],
+        }
+        self.model = ScriptedModel(**{**defaults, **answers})
+        self.grounding = KnownThings(book=BOOK, cup=CUP)
+        self.lift = TableTop()
+        self.controller = GoalTaker()
+        self.frames = FrameStore()
+        self.clock = StepClock(1)
+        self.add_frame(100)
+        self.dialogue = Dialogue(
+            self.model,
+            self.grounding,
+            self.lift,
+            self.controller,
+            EmbeddedPrompts(),
+            self.frames,
+            self.clock,
+            "t",
+        )
+        self.shown = ""
+
+    def add_frame(self, stamp_ns: int) -> None:
+        self.frames.add_frame(Frame(stamp_ns, 1280, 720, b"jpeg"))
+
+    def add_view(self, stamp_ns: int, x: float = 0.0) -> None:
+        world_from_camera = np.eye(4)
+        world_from_camera[0, 3] = x
+        self.frames.add_view(
+            CameraView(
+                stamp_ns=stamp_ns,
+                world_from_camera=world_from_camera,
+                intrinsics=(800.0, 800.0, 640.0, 360.0),
+                width=1280,
+                height=720,
+            )
+        )
+
+    def say(self, text: str, stamp_ns: int = -1, target_id: str | None = None) -> Turn:
+        seen = self.shown if target_id is None else target_id
+        turn = self.dialogue.say(SayRequest(text=text, frame_stamp_ns=stamp_ns, target_id=seen))
+        if turn.target is not None:
+            self.shown = turn.target.target_id if turn.target.state == "proposed" else ""
+        return turn
+
+    def event(
+        self, goal_id: str, state: str, task: str = "contact", reason: str = ""
+    ) -> Turn | None:
+        return self.dialogue.follow(
+            GoalEvent(
+                stamp_ns=1,
+                goal_id=goal_id,
+                end_effector="right_hand",
+                task=task,  # type: ignore[arg-type]
+                state=state,  # type: ignore[arg-type]
+                reason=reason,
+            )
+        )
+
+
+FIRST = "Place your right hand on top of the book"
+
+
+def first_words(text: str = FIRST) -> dict[str, list[object]]:
+    return {
+        "analyze": [
+            {"position": "absolute", "objects": [f"{len(text.split())}-{len(text.split())}"]}
+        ]
+    }
+
+
+def test_scenario_a_of_the_paper() -> None:
+    reach = "with your left hand, reach for the cup"
+    world = World(
+        select=["prediction", "correction", "confirmation", "prediction", "confirmation"],
+        analyze=[
+            {"position": "absolute", "objects": ["9-9"]},
+            {"position": "absolute", "objects": ["8-8"]},
+        ],
+        correct=[{"x": "target.u-20", "y": "target.v"}],
+        effector=[
+            {"effector": "right_hand", "task": "contact"},
+            {"effector": "left_hand", "task": "reach"},
+        ],
+    )
+    turn = world.say(FIRST)
+    assert turn.ok
+    assert turn.module == "prediction.absolute"
+    assert turn.target is not None
+    assert (turn.target.u, turn.target.v, turn.target.phrases) == (500, 360, ["book"])
+    assert turn.target.frame_stamp_ns == 100
+    assert not world.controller.goals
+
+    turn = world.say("move a bit to the left")
+    assert turn.module == "correction"
+    assert turn.target is not None
+    assert (turn.target.u, turn.target.v, turn.target.corrections) == (480, 360, 1)
+    assert "20 px left" in turn.reply
+    assert not world.controller.goals
+
+    turn = world.say("that's perfect")
+    assert turn.module == "confirmation"
+    assert turn.target is not None
+    assert turn.target.state == "confirmed"
+    goal = world.controller.goals[0]
+    assert (goal.end_effector, goal.task) == ("right_hand", "contact")
+    np.testing.assert_allclose(goal.point, [0.6, 0.16, 0.8])
+    assert turn.goal_id == goal.goal_id
+
+    assert world.event(goal.goal_id, "touched") is None
+    done = world.event(goal.goal_id, "loaded")
+    assert done is not None
+    assert done.target is not None
+    assert done.target.state == "in_contact"
+
+    assert world.say(reach).ok
+    turn = world.say("yes")
+    goal = world.controller.goals[1]
+    assert (goal.end_effector, goal.task) == ("left_hand", "reach")
+    assert world.model.last_question("effector") == reach
+    done = world.event(goal.goal_id, "reached", "reach")
+    assert done is not None
+    assert done.target is not None
+    assert done.target.state == "reached"
+
+
+def test_without_a_target_everything_is_a_prediction_whatever_the_model_says() -> None:
+    world = World(select=["confirmation"], **first_words())
+    turn = world.say(FIRST)
+    assert turn.module == "prediction.absolute"
+    assert world.model.priors[0]["confirmation"] < -10
+    assert world.model.priors[0]["correction"] < -10
+
+
+def test_a_yes_needs_the_target_on_the_screen() -> None:
+    world = World(
+        select=["prediction", "correction", "confirmation"],
+        correct=[{"x": "700", "y": "300"}],
+        **first_words(),
+    )
+    world.say(FIRST)
+    old = world.shown
+    world.say("to 700, 300")
+    for stale in (old, "", "target-x-1"):
+        turn = world.say("yes", target_id=stale)
+        assert not turn.ok
+        assert not world.dialogue.confirm(ConfirmRequest(target_id=stale or "none")).ok
+    assert not world.controller.goals
+    assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
+    assert len(world.controller.goals) == 1
+
+
+def test_an_unsure_yes_is_asked_about() -> None:
+    world = World(select=["prediction", ("confirmation", 0.6)], **first_words())
+    world.say(FIRST)
+    turn = world.say("hmm right")
+    assert not turn.ok
+    assert "yes" in turn.reply
+    assert not world.controller.goals
+
+
+def test_confirm_without_any_target_says_what_to_do() -> None:
+    world = World()
+    turn = world.dialogue.confirm(ConfirmRequest(target_id="target-x-1"))
+    assert not turn.ok
+    assert "no target yet" in turn.reply
+
+
+def test_what_is_not_in_the_picture_is_named() -> None:
+    world = World(analyze=[{"position": "absolute", "objects": ["4-4"]}])
+    turn = world.say("lean on the violin")
+    assert not turn.ok
+    assert "I don't see a 'violin'" in turn.reply
+    assert turn.target is None
+
+
+def test_an_instruction_without_object_gets_a_question() -> None:
+    world = World(analyze=[{"position": "absolute", "objects": []}])
+    turn = world.say("lean over there")
+    assert not turn.ok
+    assert "Name something" in turn.reply
+
+
+def test_two_equal_things_are_warned_about() -> None:
+    world = World(
+        analyze=[{"position": "relative", "objects": ["5-5"]}],
+        relative=[{"x": "a.left-0.5*a.width", "y": "a.v"}],
+    )
+    world.grounding.things["cup"] = [CUP, (100, 200, 160, 280)]
+    turn = world.say("hand left of the cup")
+    assert turn.ok
+    assert turn.module == "prediction.relative"
+    assert turn.target is not None
+    assert (turn.target.u, turn.target.v) == (870, 240)
+    assert "more than one 'cup'" in turn.target.warning
+    assert "more than one 'cup'" in turn.reply
+
+
+@pytest.mark.parametrize(
+    "garbage",
+    [
+        None,
+        "prose",
+        42,
+        [],
+        {"position": "absolute"},
+        {"position": "on", "objects": ["9-9"]},
+        {"position": "absolute", "objects": ["9"]},
+        {"position": "absolute", "objects": ["0-3"]},
+        {"position": "absolute", "objects": ["3-2"]},
+        {"position": "absolute", "objects": ["9-10"]},
+        {"position": "absolute", "objects": ["99999999999-1"]},
+        {"position": "absolute", "objects": ["-"]},
+        {"position": "absolute", "objects": ["1-1"] * 4},
+        {"position": "absolute", "objects": [9]},
+    ],
+)
+def test_a_garbled_analysis_is_a_refusal(garbage: object) -> None:
+    world = World(analyze=[garbage])
+    turn = world.say(FIRST)
+    assert not turn.ok
+    assert "Nothing changed" in turn.reply
+
+
+@pytest.mark.parametrize(
+    "garbage",
+    [
+        {"x": "__import__('os')", "y": "1"},
+        {"x": "1/0", "y": "1"},
+        {"x": "1e999", "y": "1"},
+        {"x": "9" * 50, "y": "1"},
+        {"x": "b.left", "y": "a.v"},
+        {"x": "", "y": "1"},
+        {"x": 12, "y": 13},
+        {"x": "1" * 5000, "y": "1"},
+        {"y": "1"},
+    ],
+)
+def test_a_garbled_point_is_a_refusal_and_the_target_stays(garbage: object) -> None:
+    world = World(select=["prediction", "correction"], correct=[garbage], **first_words())
+    world.say(FIRST)
+    before = world.shown
+    turn = world.say("to the left")
+    assert not turn.ok
+    assert turn.target is None
+    assert world.dialogue.confirm(ConfirmRequest(target_id=before)).ok
+
+
+@pytest.mark.parametrize(
+    "error", [UnavailableError("nobody"), DeadlineError("late"), ModelError("broken")]
+)
+@pytest.mark.parametrize("task", ["select", "analyze", "effector"])
+def test_a_dead_language_model_moves_nothing(task: str, error: Exception) -> None:
+    world = World(**{**first_words(), task: [error]})
+    turn = world.say(FIRST)
+    if task == "effector":
+        turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert "Nothing changed" in turn.reply
+    assert not world.controller.goals
+
+
+def test_dead_grounding_and_perception_are_told_apart() -> None:
+    world = World(**first_words())
+    world.grounding.error = UnavailableError("nobody serves grounding")
+    assert "grounding service is not there" in world.say(FIRST).reply
+    world.grounding.error = None
+    world.lift.error = UnavailableError("nobody serves perception")
+    turn = world.say(FIRST)
+    assert turn.ok
+    assert "Perception does not answer" in turn.reply
+    assert turn.target is not None
+    assert turn.target.point is None
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert "perception is not there" in turn.reply
+    world.lift.error = None
+    assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
+
+
+def test_a_target_on_the_sky_is_shown_and_not_confirmed() -> None:
+    world = World(**first_words())
+    world.lift.error = RefusedError("no depth at (500, 360)")
+    turn = world.say(FIRST)
+    assert turn.target is not None
+    assert "no depth" in turn.target.warning
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert "no depth" in turn.reply
+    assert not world.controller.goals
+
+
+def test_a_refusal_of_the_controller_reaches_the_operator_and_leaves_the_target() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    world.controller.refusal = "left_foot carries the robot"
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert "left_foot carries the robot" in turn.reply
+    world.controller.refusal = ""
+    assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
+
+
+@pytest.mark.parametrize(("u", "hand"), [(300, "left_hand"), (900, "right_hand")])
+def test_no_hand_named_takes_the_one_on_that_side_and_says_so(u: float, hand: str) -> None:
+    world = World(effector=[{"effector": "unspecified", "task": "contact"}], **first_words())
+    world.grounding.things["book"] = (u - 10, 300, u + 10, 320)
+    world.say(FIRST)
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert turn.end_effector == hand
+    assert "You named no hand" in turn.reply
+
+
+def test_while_the_robot_moves_only_stop_is_taken() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    asked = len(world.model.questions)
+    turn = world.say("a bit to the left")
+    assert not turn.ok
+    assert "say stop" in turn.reply
+    assert len(world.model.questions) == asked
+    assert world.say("Stop!").ok
+    assert len(world.controller.stops) == 1
+
+
+@pytest.mark.parametrize(
+    ("state", "reason"), [("unreachable", "0.12 m short"), ("aborted", "stopped")]
+)
+def test_a_goal_that_fails_is_told_with_its_reason(state: str, reason: str) -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    goal_id = world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).goal_id
+    assert world.event("another", state) is None
+    turn = world.event(goal_id, state, reason=reason)
+    assert turn is not None
+    assert not turn.ok
+    assert reason in turn.reply
+    assert turn.target is not None
+    assert turn.target.state == "abandoned"
+    assert world.say(FIRST).ok
+
+
+def test_stop_works_with_every_model_dead_and_tells_when_it_did_not() -> None:
+    dead = UnavailableError("dead")
+    world = World(select=[dead], analyze=[dead])
+    assert world.say("stop").ok
+    world.controller.stop_error = UnavailableError("robot gone")
+    turn = world.say("robot, STOP!!")
+    assert not turn.ok
+    assert "NOT ACKNOWLEDGED" in turn.reply
+
+
+@pytest.mark.parametrize(
+    "text", ["stop", "STOP!", "please stop", "stop now", "halt", "Freeze.", "robot stop"]
+)
+def test_stop_words(text: str) -> None:
+    assert is_stop(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["stop there, that's perfect", "put your hand on the stop sign", "", "yes"]
+)
+def test_no_stop_words(text: str) -> None:
+    assert not is_stop(text)
+
+
+def test_a_correction_without_history_says_so() -> None:
+    world = World(
+        select=["prediction", "correction"],
+        correct=[{"x": "target.u+2*last.du", "y": "target.v"}],
+        **first_words(),
+    )
+    world.say(FIRST)
+    turn = world.say("twice as much")
+    assert not turn.ok
+    assert "earlier move" in turn.reply
+
+
+def test_undo_can_be_said_twice() -> None:
+    undo = {"x": "target.u-last.du", "y": "target.v-last.dv"}
+    moves = [
+        {"x": "target.u+100", "y": "target.v"},
+        {"x": "target.u", "y": "target.v-40"},
+        undo,
+        undo,
+    ]
+    world = World(select=["prediction", "correction"], correct=moves, **first_words())
+    world.say(FIRST)
+    points = []
+    for text in ("a lot right", "up", "undo", "undo"):
+        turn = world.say(text)
+        assert turn.target is not None
+        points.append((turn.target.u, turn.target.v))
+    assert points == [(600, 360), (600, 320), (600, 360), (500, 360)]
+
+
+def test_a_rejection_without_direction_leaves_the_target() -> None:
+    world = World(select=["prediction", "correction"], correct=[STAY], **first_words())
+    world.say(FIRST)
+    turn = world.say("no")
+    assert not turn.ok
+    assert "stays" in turn.reply
+
+
+def test_a_point_outside_is_clipped_and_said() -> None:
+    world = World(
+        select=["prediction", "correction"],
+        correct=[{"x": "target.u-9000", "y": "target.v"}],
+        **first_words(),
+    )
+    world.say(FIRST)
+    turn = world.say("9000 pixels left")
+    assert turn.target is not None
+    assert 0 <= turn.target.u <= 2
+    assert "outside the picture" in turn.reply
+
+
+def test_objects_of_a_correction_are_looked_for() -> None:
+    world = World(
+        select=["prediction", "correction"],
+        objects=[{"objects": ["4-4"]}],
+        correct=[{"x": "target.u+0.5*(a.u-target.u)", "y": "target.v"}],
+        **first_words(),
+    )
+    world.say(FIRST)
+    turn = world.say("closer to the cup")
+    assert world.model.last_question("correct") == "past none\ncloser to the A"
+    assert turn.target is not None
+    assert turn.target.u == pytest.approx(500 + 0.5 * (930 - 500))
+    assert turn.target.phrases == ["cup"]
+
+
+def test_an_utterance_belongs_to_the_picture_the_operator_saw() -> None:
+    world = World(**first_words())
+    world.add_frame(200)
+    world.say(FIRST, stamp_ns=100)
+    assert world.grounding.asked[-1][0] == 100
+    assert world.lift.asked[-1][2] == 100
+    turn = world.say(FIRST, stamp_ns=150)
+    assert not turn.ok
+    assert "150" in turn.reply
+
+
+def test_a_correction_in_a_newer_picture_starts_from_the_reprojected_point() -> None:
+    world = World(
+        select=["prediction", "correction"],
+        correct=[{"x": "target.u+40", "y": "target.v"}],
+        **first_words(),
+    )
+    world.add_view(100)
+    world.say(FIRST)
+    world.add_frame(200)
+    world.add_view(200, x=0.08)
+    turn = world.say("right", stamp_ns=200)
+    assert turn.target is not None
+    assert turn.target.frame_stamp_ns == 200
+    # The fake's point is (0.6, 0.14, 0.8) in the world, and the camera moved by 0.08 along x.
+    assert turn.target.u == pytest.approx(800 * (0.6 - 0.08) / 0.8 + 640 + 40)
+
+
+def test_no_picture_at_all_is_said() -> None:
+    world = World(**first_words())
+    world.dialogue._frames = FrameStore()  # noqa: SLF001
+    assert "camera does not send" in world.say(FIRST).reply
+
+
+def test_a_click_shows_a_target_that_can_be_confirmed() -> None:
+    world = World()
+    turn = world.dialogue.point(PointRequest(u=700, v=300, end_effector="left_hand", task="reach"))
+    assert turn.module == "point"
+    assert turn.target is not None
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=turn.target.target_id))
+    assert (turn.end_effector, turn.task) == ("left_hand", "reach")
+    assert not world.model.questions
+
+
+def test_a_click_outside_is_refused() -> None:
+    turn = World().dialogue.point(PointRequest(u=1300, v=300))
+    assert not turn.ok
+    assert "outside" in turn.reply
+
+
+def test_a_stop_during_a_confirmation_keeps_the_robot_still() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    ask = world.model.complete
+
+    def stop_meanwhile(question: object) -> object:
+        world.dialogue.say(SayRequest(text="stop"))
+        return ask(question)  # type: ignore[arg-type]
+
+    world.model.complete = stop_meanwhile  # type: ignore[method-assign]
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert not world.controller.goals
+
+
+@pytest.mark.parametrize("text", [" ", "...", "\x00\x01", "word " * 61])
+def test_no_words_or_too_many_are_refused_politely(text: str) -> None:
+    world = World()
+    turn = world.say(text)
+    assert not turn.ok
+    assert not world.model.questions
