@@ -28,7 +28,9 @@ class Hands:
         self.rest = {k: at_rest.positions[k].copy() for k in HANDS}
         """(3,) where a released hand goes, in the world [m]"""
         self.targets = {k: kinematics.positions[k].copy() for k in HANDS}
-        self._rotations = {k: at_rest.rotations[k].copy() for k in HANDS}
+        self._rest_rotations = {k: at_rest.rotations[k].copy() for k in HANDS}
+        self.rotations = {k: rotation.copy() for k, rotation in self._rest_rotations.items()}
+        """(3, 3) world_from_hand wanted; matters where a hand has an orientation"""
         self._filters = {
             k: HandFilter(
                 filters, retargeting.dt, kinematics.positions[k], kinematics.rotations[k]
@@ -45,6 +47,10 @@ class Hands:
         jacobian = self._retargeting.kinematics.jacobians[hand, :3]
         return float(np.linalg.norm(jacobian @ self._retargeting.state.velocity))
 
+    def relax(self, hand: int) -> None:
+        """Let a hand turn back to its orientation at rest."""
+        self.rotations[hand] = self._rest_rotations[hand]
+
     def stop(self, hand: int) -> None:
         """Let a hand stay where it is."""
         self.targets[hand] = self.position(hand)
@@ -60,7 +66,7 @@ class Hands:
                 continue
             self._filters[k].step(
                 self.targets[k],
-                self._rotations[k],
+                self.rotations[k],
                 kinematics.positions[k],
                 kinematics.rotations[k],
             )

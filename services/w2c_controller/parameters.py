@@ -28,10 +28,12 @@ class Weights:
     momentum: float = 1e-6
     foot_position: float = 1e5
     foot_rotation: float = 1e4
-    hand_position: float = 5e3
-    hand_rotation: tuple[float, float] = (1.0, 0.0)
-    """Left, right. SEIKO's is 100 for both; that pulls a hand 7 mm off a point whose orientation its arm
-    cannot have, and the orientation of a ball means nothing."""
+    hand_position: float = 5e4
+    """SEIKO's is 5e3. With that, posture and torque costs hold a far reach 1 cm off its point long before
+    balance does, and the window that a support opens shrinks from 18 to 7 cm."""
+    hand_rotation: tuple[float, float] = (2e3, 0.0)
+    """Left, right. SEIKO's is 100 for both. Fingers keep their direction within 5 degrees with this;
+    the orientation of a ball means nothing."""
     arm_torque: float = 0.005
     body_torque: float = 2e-5
     plane_wrench: tuple[float, ...] = (0.002, 0.002, 2e-5, 0.002, 0.002, 0.002)
@@ -111,6 +113,8 @@ class Motion:
     """Of the point above the surface from which the hand comes down along the normal [m]."""
     speed: float = 0.18
     """Of free motion [m/s]."""
+    reach_speed: float = 0.08
+    """On the last centimetres of a reach [m/s]."""
     touch_speed: float = 0.025
     """Along the normal, near the surface [m/s]."""
     overtravel: float = 0.03
@@ -120,9 +124,15 @@ class Motion:
     load_confirmed: float = 5.0
     """Measured normal force without which a contact does not count as loaded [N]."""
     reach_standoff: float = 0.01
-    """Where a reaching hand stops above the surface, along the normal [m]."""
+    """Where a reaching hand stops before the point, on the way it came [m]."""
     reached_distance: float = 0.02
     reached_speed: float = 0.02
+    bump_force: float = 8.0
+    """Measured force that stops a reaching hand [N]."""
+    bump_retreat: float = 0.005
+    """How far it then backs off along the normal [m]."""
+    bump_distance: float = 0.03
+    """A hand stopped this close to its point has reached it [m]."""
     stall_distance: float = 0.002
     """Less progress than this within `stall_time` is a stall [m]."""
     stall_time: float = 2.0

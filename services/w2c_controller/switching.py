@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from w2c.geometry import frame_from_normal
 from w2c_controller.goals import Goal
+from w2c_controller.grasp import approach_direction, pointing_rotation
 from w2c_controller.hands import Hands
 from w2c_controller.parameters import EFFECTORS, HANDS, Motion
 from w2c_controller.retargeting import Retargeting
@@ -66,11 +67,15 @@ class Switching:
         self._dt = retargeting.dt
         self._hand = HANDS[0]
         self._normals = {k: np.array([0.0, 0.0, 1.0]) for k in HANDS}
+        self._away = {k: np.array([0.0, 0.0, 1.0]) for k in HANDS}
+        """Back the way each hand came: along the normal from a contact, against the fingers from a reach"""
         self._path: Path | None = None
         self._next: Goal | None = None
         self._elapsed = 0.0
         self._settled = 0.0
         self._tare = {k: np.zeros(3) for k in HANDS}
+        self._bump = False
+        """Whether a reaching hand touched something on its way"""
         self._stall = StallDetector(self._motion, self._dt)
         self._reported: set[EventState] = set()
         self._events: list[Event] = []
@@ -147,16 +152,19 @@ class Switching:
         self._normals[goal.hand] = goal.normal
         self._tare[goal.hand] = np.zeros(3)
         self._reported.clear()
+        self._bump = False
         motion = self._motion
-        via = goal.target + motion.via_height * goal.normal
-        first = curved(self._hands.position(goal.hand), via, goal.normal, motion.speed)
-        if goal.task == "contact":
-            end = goal.target - motion.overtravel * goal.normal
-            second = straight(via, end, motion.touch_speed)
+        away, end, speed = goal.normal, -motion.overtravel, motion.touch_speed
+        if goal.task == "reach":
+            away = -approach_direction(goal.target, goal.normal)
+            end, speed = motion.reach_standoff, motion.reach_speed
+            self._hands.rotations[goal.hand] = pointing_rotation(-away)
         else:
-            end = goal.target + motion.reach_standoff * goal.normal
-            second = straight(via, end, motion.speed)
-        self._travel("approach", first, second)
+            self._hands.relax(goal.hand)
+        self._away[goal.hand] = away
+        via = goal.target + motion.via_height * away
+        first = curved(self._hands.position(goal.hand), via, away, motion.speed)
+        self._travel("approach", first, straight(via, goal.target + end * away, speed))
         self._emit("moving")
 
     def _begin_unload(self, hand: int) -> None:
@@ -167,7 +175,8 @@ class Switching:
     def _begin_retreat(self, hand: int) -> None:
         self._hand = hand
         start = self._hands.position(hand)
-        lift = start + self._motion.retreat_height * self._normals[hand]
+        lift = start + self._motion.retreat_height * self._away[hand]
+        self._hands.relax(hand)
         away = straight(start, lift, self._motion.speed)
         up = np.array([0.0, 0.0, 1.0])
         self._travel("retreat", away, curved(lift, self._hands.rest[hand], up, self._motion.speed))
@@ -196,7 +205,7 @@ class Switching:
         self._hands.targets[hand] = path.position()
         return self._stall.step(position)
 
-    def _approach(self, _: Measured) -> None:
+    def _approach(self, measured: Measured) -> None:
         goal, path = self._require_goal(), self._require_path()
         stuck = self._follow()
         if goal.task == "reach":
@@ -204,7 +213,11 @@ class Switching:
                 # The way over the surface is out of reach; the point itself may not be.
                 path.next_leg()
                 self._stall.reset()
-            if path.leg > 0 and (path.finished or stuck):
+            if path.leg == 0:
+                self._tare[self._hand] = measured.hands[self._hand - HANDS[0]].copy()
+            elif self._bumped(measured):
+                self._enter("reach")
+            elif path.finished or stuck:
                 self._hands.targets[self._hand] = path.end
                 self._enter("reach")
             return
@@ -255,17 +268,30 @@ class Switching:
             self.goal = None
             self._begin_unload(self._hand)
 
-    def _reach(self, _: Measured) -> None:
+    def _bumped(self, measured: Measured) -> bool:
+        """Stop a reaching hand that touches something, a little way back: it reaches, it does not push."""
+        hand = self._hand
+        force = measured.hands[hand - HANDS[0]] - self._tare[hand]
+        if not float(np.linalg.norm(force)) > self._motion.bump_force:
+            return False
+        self._hands.stop(hand)
+        self._hands.targets[hand] += self._motion.bump_retreat * self._away[hand]
+        self._bump = True
+        return True
+
+    def _reach(self, measured: Measured) -> None:
         distance, motion = self.distance(), self._motion
-        if distance < motion.reached_distance:
+        if not self._bump:
+            self._bumped(measured)
+        if self._bump and distance < motion.bump_distance:
+            self._emit_once("reached", "touched something at the point", distance)
+        elif distance < motion.reached_distance:
             if self._hands.speed(self._hand) < motion.reached_speed:
                 self._emit_once("reached", distance=distance)
         elif self._stall.step(self._hands.position(self._hand)):
-            self._emit_once(
-                "unreachable",
-                f"balance or the arm's length ends {100 * distance:.1f} cm short of the point",
-                distance,
-            )
+            cause = "something in the way" if self._bump else "balance or the arm's length"
+            reason = f"{cause} ends {100 * distance:.1f} cm short of the point"
+            self._emit_once("unreachable", reason, distance)
 
     def _unload(self, _: Measured) -> None:
         if not self._retargeting.state.enabled[self._hand]:
