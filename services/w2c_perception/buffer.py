@@ -51,8 +51,8 @@ class ViewBuffer:
     def add(self, view: View) -> None:
         """Remember a view, and forget what has become too old or too many.
 
-        A view of the same instant replaces the former. Time that jumps back is a robot that started anew:
-        what was before means nothing then.
+        A view of the same instant replaces the former. Time that jumps back is a robot that
+        started anew: what was before means nothing then.
         """
         if self._views and view.stamp_ns < next(iter(self._views)):
             self._views.clear()
@@ -89,8 +89,8 @@ class ViewBuffer:
         else:
             why = "no picture was taken then"
         raise RefusedError(
-            f"no picture of stamp {stamp_ns} ns in memory: {why}; there are {len(self._views)} from "
-            f"{oldest} to {newest} ns. Choose the pixel in a newer picture"
+            f"no picture of stamp {stamp_ns} ns in memory: {why}; there are "
+            f"{len(self._views)} from {oldest} to {newest} ns. Choose the pixel in a newer picture"
         )
 
 
@@ -113,7 +113,7 @@ class StateBuffer:
         self._positions: deque[Array] = deque()
 
     def add(self, stamp_ns: int, position: Array) -> bool:
-        """Remember joint angles (n,) [rad]. Returns False where time jumped back: the memory is new then."""
+        """Remember joint angles (n,) [rad]. Returns False where time jumped back: memory is new."""
         continues = not self._stamps or stamp_ns > self._stamps[-1]
         if not continues:
             if stamp_ns == self._stamps[-1]:

@@ -31,7 +31,7 @@ class LiftConfig(Connection, frozen=True, kw_only=True):
 
 
 def lift(arguments: list[str] | None = None) -> int:
-    """Print what is behind a pixel. Returns the exit status; a refusal is an error with its reason."""
+    """Print what is behind a pixel. A refusal is an error with its reason."""
     config = parse(LiftConfig, arguments or [], program="w2c lift")
     service = service_config(config)
     with connect(service, "operator", [service.router]) as bus:
@@ -50,7 +50,8 @@ def describe(reply: LiftReply) -> str:
         f"point    {x:.4f} {y:.4f} {z:.4f} m, within {reply.error_bound * 1000:.1f} mm",
         "normal   {:.3f} {:.3f} {:.3f}".format(*reply.normal)
         + f", {np.degrees(reply.slope):.1f} degrees from vertical",
-        f"surface  flat within {reply.flatness * 1000:.1f} mm, seen {reply.extent * 100:.1f} cm around",
+        f"surface  flat within {reply.flatness * 1000:.1f} mm, "
+        f"seen {reply.extent * 100:.1f} cm around",
         f"picture  {reply.frame_stamp_ns} ns",
     ]
     return "\n".join(lines + ([f"warning  {reply.warning}"] if reply.warning else []))

@@ -35,8 +35,8 @@ class CameraKinematics:
         """Return the pose (4, 4) of the optical frame.
 
         The world is the frame midway between the soles, so that
-        `world_from_camera = inverse(base_from_midfeet) @ base_from_camera`: no base estimate is needed while
-        both feet stand.
+        `world_from_camera = inverse(base_from_midfeet) @ base_from_camera`: no base estimate is
+        needed while both feet stand.
 
         Args:
             position: (n,) joint angles in the order of the description [rad].
@@ -46,7 +46,7 @@ class CameraKinematics:
         """
         if position.shape != self._indices.shape or not np.isfinite(position).all():
             raise GeometryError(
-                f"joint angles of shape {position.shape}, expected {self._indices.shape} finite ones"
+                f"joint angles of shape {position.shape}, expected finite {self._indices.shape}"
             )
         configuration = pin.neutral(self._model)
         configuration[self._indices] = position

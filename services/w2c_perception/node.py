@@ -1,4 +1,4 @@
-"""Perception on the bus: pictures and joint angles in, camera poses out, pixels lifted on request."""
+"""Perception on the bus: pictures and joint angles in, camera poses and lifted pixels out."""
 
 import logging
 import threading
@@ -25,7 +25,8 @@ log = logging.getLogger("w2c.perception")
 FRAME_QUEUE = 8
 """Pictures that may wait: each must be known before an operator can point into it"""
 CAMERA_REACH = 2.0
-"""A joint that is off by an angle moves what the camera sees by no more than this times the angle [m]"""
+"""A joint that is off by an angle moves what the camera sees by no more than this times the
+angle [m]"""
 _DESCRIBE_TIMEOUT_S = 2.0
 _WAIT_FOR_STATE_S = 1.0
 
@@ -87,7 +88,8 @@ class PerceptionNode:
             log.debug("the robot does not answer yet: %s", error)
             stop.wait(0.5)
         except GeometryError as error:
-            # Only another robot can help; it is asked again, for it may be restarted with another model.
+            # Only another robot can help; it is asked again, for it may be restarted with another
+            # model.
             log.error("%s", error)
             self._bus.count("description refused")
             stop.wait(2.0)

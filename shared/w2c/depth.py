@@ -1,4 +1,4 @@
-"""Depth pictures on the wire: zstd of little-endian uint16 [v, u], z-depth in units, 0 = unknown."""
+"""Depth on the wire: zstd of little-endian uint16 [v, u], z-depth in units, 0 = unknown."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,7 @@ _MAX_PIXELS = 8192 * 8192
 
 
 def encode_depth(depth: npt.NDArray[np.float32], unit: float = DEPTH_UNIT) -> bytes:
-    """Return the bytes of z-depths (h, w) [m]; what is not finite, not positive or too far is unknown."""
+    """Return the bytes of z-depths (h, w) [m]; not finite, not positive, too far: unknown."""
     import zstandard
 
     scaled = np.nan_to_num(depth / np.float32(unit), nan=0.0, posinf=0.0, neginf=0.0)

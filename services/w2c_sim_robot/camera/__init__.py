@@ -1,1 +1,1 @@
-"""The head camera of the simulated robot, rendered in a process of its own so that physics stays punctual."""
+"""The head camera of the simulated robot: a process of its own, so that physics is punctual."""

@@ -1,4 +1,4 @@
-"""`w2c camera`: pictures with depth from the robot's head, and pictures of the robot from outside."""
+"""`w2c camera`: pictures with depth from the robot's head, and of the robot from outside."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING

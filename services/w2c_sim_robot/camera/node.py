@@ -68,7 +68,7 @@ class CameraNode:
             self._studio.close()
 
     def _publish(self, received: Received[Truth]) -> None:
-        """Draw the stream's next picture: no shadows, no antialiasing, they cost five times as much."""
+        """Draw the stream's next picture: no shadows, no antialiasing, for speed."""
         try:
             self._pose(received.message)
         except ConfigError as error:
@@ -102,7 +102,7 @@ class CameraNode:
             return
         try:
             result.set_result(self._answer(draw))
-        except Exception as error:  # noqa: BLE001  # handed to the caller's thread, not swallowed
+        except Exception as error:  # handed to the caller's thread, not swallowed
             result.set_exception(error)
 
     def _answer(self, draw: Callable[[Studio, int], Message]) -> Message:
@@ -128,7 +128,7 @@ class CameraNode:
             raise DeadlineError(f"no picture within {timeout_s:g} s; the camera is busy") from error
 
     def _capture(self, request: CaptureRequest, _context: CallContext) -> CameraFrame:
-        """Return a picture of the head camera; it goes on the stream too, for perception to know it."""
+        """Return a picture of the head camera; on the stream too, for perception to know it."""
         frame = self._ask(
             lambda studio, stamp_ns: studio.frame(
                 stamp_ns, shadows=request.shadows, antialiasing=request.antialiasing

@@ -58,7 +58,7 @@ class Renderer:
         shadows: bool = False,
         antialiasing: bool = False,
     ) -> Image:
-        """Return the picture of a camera of the model. `size` = (width, height), the largest by default."""
+        """Return the picture of a camera. `size` = (width, height), by default the largest."""
         width, height = self._size(size)
         scale = SUPERSAMPLING if antialiasing else 1
         flags = {mujoco.mjtRndFlag.mjRND_SHADOW: shadows}
@@ -143,7 +143,8 @@ class Renderer:
     def _metric(self, buffer: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         """Return z-depth [m] of a depth buffer that is 1 at the near plane and 0 at the far one.
 
-        The projection of OpenGL (glFrustum), reversed: buffer = (near / z - near / far) / (1 - near / far).
+        The projection of OpenGL (glFrustum), reversed: buffer = (near / z - near / far) / (1 -
+        near / far).
         """
         extent = self._model.stat.extent
         near, far = self._model.vis.map.znear * extent, self._model.vis.map.zfar * extent

@@ -48,8 +48,8 @@ class Studio:
         """
         if generalized_position.shape != (self.model.nq,):
             raise ConfigError(
-                f"the robot reports {generalized_position.shape[0]} coordinates, this camera's model has "
-                f"{self.model.nq}: start both with the same --scene"
+                f"the robot reports {generalized_position.size} coordinates, this camera's model "
+                f"has {self.model.nq}: start both with the same --scene"
             )
         self._data.qpos[:] = generalized_position
         mujoco.mj_kinematics(self.model, self._data)

@@ -1,1 +1,1 @@
-"""Scenes: what stands in front of the simulated robot, built from primitives and procedural textures."""
+"""Scenes: what stands in front of the simulated robot, all of it made by procedures."""

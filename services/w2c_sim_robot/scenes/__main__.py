@@ -3,8 +3,9 @@
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 import tyro
@@ -17,11 +18,12 @@ from w2c.extras import needs_extra
 class Render(msgspec.Struct, frozen=True, kw_only=True):
     """Render pictures of random scenes through the robot's head camera.
 
-    Each seed gives NAME.jpg, NAME_identity.png (0 = nothing, n = object with id n, 255 = the robot) and
-    NAME.json: image, identity, width, height, seed, intrinsics (fx, fy, cx, cy), world_from_camera, and for
-    each object id, name, kind, colour, material, names, phrases (all that fit it; another object may fit
-    too), held_out (kind and colour are never seen together below seed 900000), box (left, top, right, bottom;
-    null where it is not visible), visible_pixels, position, orientation (xyzw), size, support.
+    Each seed gives NAME.jpg, NAME_identity.png (0 = nothing, n = object with id n, 255 = the
+    robot) and NAME.json: image, identity, width, height, seed, intrinsics (fx, fy, cx, cy),
+    world_from_camera, and for each object id, name, kind, colour, material, names, phrases (all
+    that fit it; another object may fit too), held_out (kind and colour are never seen together
+    below seed 900000), box (left, top, right, bottom; null where it is not visible),
+    visible_pixels, position, orientation (xyzw), size, support.
     """
 
     out: Path
@@ -47,13 +49,13 @@ class Make(msgspec.Struct, frozen=True, kw_only=True):
 
     out: Path
     """The file."""
-    kind: str = "scenario_a"
-    """scenario_a or random."""
+    kind: Literal["scenario_a", "random"] = "scenario_a"
+    """Which one."""
     seed: Annotated[int, msgspec.Meta(ge=0)] = 0
     """Of the random scene, or of the grain and print of scenario_a."""
-    book: tuple[float, float] | None = None
+    book: tuple[float, float] = (0.50, -0.25)
     """Where the book of scenario_a lies [m]."""
-    cup: tuple[float, float] | None = None
+    cup: tuple[float, float] = (1.08, 0.16)
     """Where the cup of scenario_a stands [m]."""
     table_height: Annotated[float, msgspec.Meta(ge=0.4, le=1.1)] = 0.80
     """Of scenario_a [m]."""
@@ -87,12 +89,13 @@ def _make(options: Make) -> None:
 
     if options.kind == "random":
         scene = random_scene(options.seed)
-    elif options.kind == "scenario_a":
-        places = {"book_xy": options.book, "cup_xy": options.cup}
-        chosen = {name: place for name, place in places.items() if place is not None}
-        scene = scenario_a(**chosen, table_height=options.table_height, seed=options.seed)
     else:
-        raise ConfigError(f"--kind {options.kind}; known: scenario_a, random")
+        scene = scenario_a(
+            book_xy=options.book,
+            cup_xy=options.cup,
+            table_height=options.table_height,
+            seed=options.seed,
+        )
     save(scene, options.out)
     print(f"{options.out}: {', '.join(item.name for item in scene.objects)}")
 
@@ -100,7 +103,7 @@ def _make(options: Make) -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Run `w2c scenes render|make`. Returns the exit status: 0 done, 1 failed, 2 usage."""
     argv = sys.argv[1:] if arguments is None else arguments
-    commands: dict[str, type[Render] | type[Make]] = {"render": Render, "make": Make}
+    commands: dict[str, Callable[..., Render | Make]] = {"render": Render, "make": Make}
     chosen = tyro.extras.subcommand_cli_from_dict(commands, prog="w2c scenes", args=argv)
     try:
         checked = msgspec.convert(msgspec.structs.asdict(chosen), type(chosen))
@@ -112,6 +115,8 @@ def main(arguments: list[str] | None = None) -> int:
         return fail(ConfigError(f"{error}"), "w2c scenes")
     except W2CError as error:
         return fail(error, "w2c scenes")
+    except OSError as error:
+        return fail(ConfigError(f"{error}"), "w2c scenes")
     return 0
 
 

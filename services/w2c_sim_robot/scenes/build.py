@@ -1,11 +1,12 @@
 """Put a scene into a MuJoCo model specification."""
 
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from w2c.geometry import quaternion_from_rotation
+from w2c.geometry import Vector, quaternion_from_rotation
 from w2c_sim_robot.scenes.objects import textures
 from w2c_sim_robot.scenes.objects.catalogue import KINDS, shape_of
 from w2c_sim_robot.scenes.objects.palette import COLOURS, Colour, Paints, contrasting, shade
@@ -15,11 +16,18 @@ from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 VISUAL_GROUP = 0
 COLLIDER_GROUP = 3
 WORLD_CONTYPE, WORLD_CONAFFINITY = 2, 3
-"""The robot has 1 and 2: it meets the world, the world meets itself, the robot never meets itself."""
+"""The robot has 1 and 2: it meets the world, the world meets itself, the robot never meets
+itself."""
 FLOOR = "floor"
 TILE = 0.5
 """Side of one tile of the floor [m]; its texture shows four by four"""
 WALL_DISTANCE = 4.0
+_FLOORS: dict[str, Callable[[np.random.Generator], Texture]] = {
+    "tiles": textures.tiles,
+    "wood": textures.wood,
+    "concrete": textures.concrete,
+    "carpet": textures.weave,
+}
 _SHAPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -31,8 +39,9 @@ _SHAPES = {
 def add_scene(spec: mujoco.MjSpec, scene: Scene) -> None:
     """Add floor, walls, lights and objects.
 
-    A body carries the name of its object; a movable one has a free joint `<name>_free`. A floor that the
-    specification has already (a geom named "floor") is kept and only painted; lamps it has are put out.
+    A body carries the name of its object; a movable one has a free joint `<name>_free`. A floor
+    that the specification has already (a geom named "floor") is kept and only painted; lamps it
+    has are put out.
     """
     _add_surroundings(spec, scene.surroundings)
     for light in spec.lights:
@@ -44,7 +53,7 @@ def add_scene(spec: mujoco.MjSpec, scene: Scene) -> None:
 
 
 def add_object(spec: mujoco.MjSpec, item: SceneObject) -> None:
-    """Add one object; its visual geoms are `<name>_visual_<n>`, its colliders `<name>_collider_<n>`."""
+    """Add one object: geoms `<name>_visual_<n>` to see, `<name>_collider_<n>` to touch."""
     x, y, z, w = item.orientation
     body = spec.worldbody.add_body(name=item.name, pos=item.position, quat=[w, x, y, z])
     shape = shape_of(item)
@@ -130,8 +139,8 @@ def _add_texture(spec: mujoco.MjSpec, name: str, texture: Texture) -> None:
         height=height,
         nchannel=channels,
     )
-    # The first row of a picture is its top, that of an OpenGL texture is at coordinate 0: the same here,
-    # because meshes.py counts texture coordinates from the top.
+    # The first row of a picture is its top, that of an OpenGL texture is at coordinate 0: the same
+    # here, because meshes.py counts texture coordinates from the top.
     added.data = texture.tobytes()
 
 
@@ -151,14 +160,19 @@ def _volume(collider: Collider) -> float:
     return 2.0 * np.pi * size[0] ** 2 * size[1] + round_ends
 
 
-def _add_light(spec: mujoco.MjSpec, light: Light, name: str) -> None:
+def light_colour(light: Light) -> Vector:
+    """Return the colour (3,) of the lamp's light."""
     warm = np.array([1.0 + 0.08 * light.warmth, 1.0, 1.0 - 0.16 * light.warmth])
+    return np.clip(light.brightness * warm, 0.0, 1.0)
+
+
+def _add_light(spec: mujoco.MjSpec, light: Light, name: str) -> None:
     spec.worldbody.add_light(
         name=name,
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         pos=light.position,
         dir=light.direction,
-        diffuse=np.clip(light.brightness * warm, 0, 1),
+        diffuse=light_colour(light),
         specular=np.full(3, 0.35 * light.brightness),
         ambient=np.zeros(3),
         castshadow=light.shadow,
@@ -167,12 +181,7 @@ def _add_light(spec: mujoco.MjSpec, light: Light, name: str) -> None:
 
 def _add_surroundings(spec: mujoco.MjSpec, surroundings: Surroundings) -> None:
     rng = np.random.default_rng([surroundings.variant, 3])
-    pattern = {
-        "tiles": textures.tiles,
-        "wood": textures.wood,
-        "concrete": textures.concrete,
-        "carpet": textures.weave,
-    }[surroundings.floor](rng)
+    pattern = _FLOORS[surroundings.floor](rng)
     _add_texture(spec, "scene_floor", pattern)
     material = spec.add_material(
         name="scene_floor",

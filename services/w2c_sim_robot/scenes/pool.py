@@ -1,4 +1,4 @@
-"""Many scenes with one compiled model: things are moved, repainted and hidden instead of compiled anew."""
+"""Many scenes with one compiled model: things are moved, repainted and hidden."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ import numpy.typing as npt
 from w2c_sim_robot import talos
 from w2c_sim_robot.camera.renderer import Image, Renderer
 from w2c_sim_robot.model import HEAD_CAMERA, HEAD_SHELL_GROUP, build_model, ready_configuration
-from w2c_sim_robot.scenes.build import VISUAL_GROUP, colour_of, paints_of
+from w2c_sim_robot.scenes.build import VISUAL_GROUP, colour_of, light_colour, paints_of
 from w2c_sim_robot.scenes.objects.catalogue import make_object, shape_of
 from w2c_sim_robot.scenes.objects.shape import Shape
 from w2c_sim_robot.scenes.random_scene import Asset, random_assets
@@ -60,7 +60,7 @@ class Pool:
         self._robot = self.model.body_rootid == self.model.body(talos.BASE_LINK).id
 
     def shoot(self, scene: Scene, rng: np.random.Generator, *, shadows: bool) -> Shot:
-        """Return the picture of a scene of this pool's assets, the robot in a posture drawn from `rng`."""
+        """Return the picture of a scene of this pool's assets; `rng` draws the robot's posture."""
         self._arrange(scene)
         self._pose_robot(rng, scene.objects[0].size[2])
         fov = np.radians(rng.uniform(40.0, 44.0))
@@ -109,10 +109,9 @@ class Pool:
         model = self.model
         for number, light in enumerate(scene.lights):
             lamp = model.light(f"lamp_{number}").id
-            warm = np.array([1.0 + 0.08 * light.warmth, 1.0, 1.0 - 0.16 * light.warmth])
             model.light_pos[lamp] = light.position
             model.light_dir[lamp] = np.asarray(light.direction) / np.linalg.norm(light.direction)
-            model.light_diffuse[lamp] = np.clip(light.brightness * warm, 0, 1)
+            model.light_diffuse[lamp] = light_colour(light)
             model.light_castshadow[lamp] = light.shadow
         model.mat_rgba[model.material("scene_floor").id, :3] = scene.surroundings.floor_colour
         model.mat_rgba[model.material("scene_wall").id, :3] = scene.surroundings.wall_colour
@@ -157,7 +156,7 @@ class Pool:
 
 
 def _stored(asset: Asset) -> SceneObject:
-    """Return the thing as it is compiled: out of sight, fixed, so that it is posed through the model."""
+    """Return the thing as it is compiled: out of sight, and fixed, to be posed in the model."""
     from w2c_sim_robot.scenes.objects.catalogue import KINDS
 
     return make_object(

@@ -1,4 +1,4 @@
-"""Scenes by chance: a table or a counter, things on it, colours, light. The same seed, the same scene."""
+"""Scenes by chance: furniture, things on it, colours, light. Same seed, same scene."""
 
 import zlib
 from dataclasses import dataclass
@@ -17,7 +17,8 @@ from w2c_sim_robot.scenes.objects.shape import Size
 from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 
 JUDGING_SEED = 900_000
-"""Scenes from this seed on are for judging: nothing is trained on them, and they alone show held-out pairs."""
+"""Scenes from this seed on are for judging: nothing is trained on them, and they alone show
+held-out pairs."""
 FLAT_KINDS = ("book", "box", "tray", "notebook", "cloth", "paper")
 """What smaller things may stand on"""
 SMALL_KINDS = ("mug", "can", "ball", "apple", "sponge", "block", "bottle", "bowl")
@@ -59,7 +60,7 @@ def random_assets(rng: np.random.Generator, copies: int = 2) -> tuple[Asset, ...
 
 
 def random_scene(seed: int, assets: tuple[Asset, ...] | None = None) -> Scene:
-    """Return the scene of a seed. With `assets` it is made of these only, so that a model can be reused."""
+    """Return the scene of a seed; with `assets`, of these only, so that a model can be reused."""
     rng = np.random.default_rng([seed, 1])
     stock = random_assets(np.random.default_rng([seed, 2])) if assets is None else assets
     judging = seed >= JUDGING_SEED
@@ -70,7 +71,7 @@ def random_scene(seed: int, assets: tuple[Asset, ...] | None = None) -> Scene:
     placed: list[SceneObject] = []
     for asset, colour in zip(chosen, colours, strict=True):
         region = PAPER_REGIONS.get(asset.kind) if as_in_paper else None
-        item = _place(rng, asset, colour, furniture, placed, region)
+        item = _place(rng, asset, colour, furniture, placed, region=region)
         if item is not None:
             placed.append(item)
     return Scene(
@@ -135,9 +136,10 @@ def _place(
     colour: str,
     furniture: SceneObject,
     placed: list[SceneObject],
+    *,
     region: Region | None,
 ) -> SceneObject | None:
-    """Return the thing where there is room for it, sometimes on top of another; None where there is none."""
+    """Return the thing where there is room, sometimes on top of another; None without room."""
     yaw = float(rng.uniform(-np.pi, np.pi) if rng.random() < 0.5 else rng.normal(0.0, 0.35))
     if region is None and asset.kind in SMALL_KINDS and rng.random() < 0.25:
         for below in placed:
@@ -200,7 +202,7 @@ def _near(a: SceneObject, b: SceneObject) -> bool:
 def _lights(rng: np.random.Generator) -> tuple[Light, ...]:
     """Return two lamps: one that may cast shadows, a weaker one from another side."""
     turn = rng.uniform(-np.pi, np.pi)
-    lamps = []
+    lamps: list[Light] = []
     for angle, brightness in (
         (turn, rng.uniform(0.4, 0.8)),
         (turn + rng.uniform(1.5, 4.5), rng.uniform(0.1, 0.4)),

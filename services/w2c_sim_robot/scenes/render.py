@@ -60,7 +60,7 @@ def render(
 
 
 def write(directory: Path, name: str, scene: Scene, shot: Shot, *, depth: bool = False) -> None:
-    """Write `<name>.jpg`, `<name>_identity.png`, `<name>_depth.png` if asked, and last `<name>.json`."""
+    """Write `<name>.jpg`, `_identity.png`, `_depth.png` if asked, and last `<name>.json`."""
     picture = cv2.cvtColor(shot.image.rgb, cv2.COLOR_RGB2BGR)
     cv2.imwrite(str(directory / f"{name}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     cv2.imwrite(str(directory / f"{name}_identity.png"), shot.identity)

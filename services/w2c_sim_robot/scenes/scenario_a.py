@@ -9,7 +9,8 @@ from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 TABLE_DEPTH = 1.0
 TABLE_WIDTH = 1.7
 TABLE_FRONT = 0.27
-"""Distance of the table's front edge from the soles' midpoint [m]: clear of the robot's feet and thighs"""
+"""Distance of the table's front edge from the soles' midpoint [m]: clear of the robot's feet
+and thighs"""
 BOOK_SIZE = (0.27, 0.20, 0.04)
 CUP_SIZE = (0.125, 0.09, 0.105)
 
@@ -28,7 +29,7 @@ def scenario_a(
 ) -> Scene:
     """Return the scene; positions [m] are in the world, of the middle of the object's underside.
 
-    The book is fixed: a robot leans on it. What surface a hand meets there is `scene.object("book").top_in_world`.
+    The book is fixed: a robot leans on it, at `scene.object("book").top_in_world`.
 
     Raises:
         ConfigError: an object would not stand on the table.
@@ -98,7 +99,7 @@ def scenario_a(
 
 
 def random_layout(rng: np.random.Generator, cup_x: tuple[float, float], *, seed: int = 0) -> Scene:
-    """Return scene (a) with its places drawn anew; `cup_x` is the band the controller computed [m]."""
+    """Return scene (a) with new places; `cup_x` is the band the controller computed [m]."""
     colours = rng.permutation(["red", "blue", "green", "yellow", "orange", "purple"])
     return scenario_a(
         book_xy=(float(rng.uniform(0.42, 0.52)), float(rng.uniform(-0.30, -0.20))),

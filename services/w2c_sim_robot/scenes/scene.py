@@ -1,4 +1,4 @@
-"""What stands in front of the robot, as data: a scene is a JSON file, the same for physics and camera."""
+"""What stands in front of the robot, as data: one JSON file for physics and camera."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -57,7 +57,7 @@ class SceneObject(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         return x, y, z + self.size[2]
 
     def phrases(self) -> tuple[str, ...]:
-        """Return the phrases that fit the object: each name, alone and with its colour, and its material."""
+        """Return the phrases that fit: names alone, with the colour, one with the material."""
         with_colour = tuple(f"{self.colour} {name}" for name in self.names)
         with_material = (f"{self.material} {self.names[0]}",) if self.material else ()
         return (*self.names, *with_colour, *with_material)
@@ -107,7 +107,7 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 def check(scene: Scene) -> None:
-    """Raise ConfigError for what types cannot say: unique names, known kinds and colours, sane numbers."""
+    """Raise ConfigError for what types cannot say: names used twice, unknown kinds, odd sizes."""
     from w2c_sim_robot.scenes.objects.catalogue import KINDS
     from w2c_sim_robot.scenes.objects.palette import COLOURS
 

@@ -1,10 +1,14 @@
 """Meshes by construction: boxes, prisms, turned profiles, bent tubes, draped sheets."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
+from w2c.geometry import unit
 from w2c_sim_robot.scenes.objects.shape import Mesh, Points, Size, merged
 
+Profile = Sequence[Sequence[float]] | Points
 SEGMENTS = 40
 CREASE = np.cos(np.radians(35.0))
 """Edges sharper than this stay edges; flatter ones are shaded as a curve."""
@@ -21,7 +25,7 @@ ALL_FACES = tuple(_FACES)
 
 
 def box(size: Size, faces: tuple[str, ...] = ALL_FACES) -> Mesh:
-    """Return the chosen faces of a box that stands on the origin; each face shows the whole texture.
+    """Return chosen faces of a box that stands on the origin; each shows the whole texture.
 
     On the upper side the texture's top is at +x, away from the robot; on the others it is at +z.
     """
@@ -46,7 +50,7 @@ def box(size: Size, faces: tuple[str, ...] = ALL_FACES) -> Mesh:
 
 
 def rounded_rectangle(width: float, depth: float, radius: float, steps: int = 6) -> Points:
-    """Return the outline (k, 2) of a rectangle with round corners, counter-clockwise about the origin."""
+    """Return the counter-clockwise outline (k, 2) of a rectangle with round corners."""
     radius = min(radius, width / 2 - 1e-4, depth / 2 - 1e-4)
     corners = []
     for quarter, (x, y) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
@@ -103,12 +107,13 @@ def _cap(outline: Points, z: float, sign: float) -> Mesh:
 
 
 def lathe(
-    profile: npt.ArrayLike, segments: int = SEGMENTS, scale: tuple[float, float] = (1.0, 1.0)
+    profile: Profile, segments: int = SEGMENTS, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Mesh:
     """Return the surface that a profile (k, 2) of (radius, height) [m] sweeps around the z axis.
 
-    Going along the profile the outside is on the right-hand side: from the foot upwards, outside the body.
-    The texture is wrapped around, its top at the end of the profile. `scale` widens along x and y.
+    Going along the profile the outside is on the right-hand side: from the foot upwards, outside
+    the body. The texture is wrapped around, its top at the end of the profile. `scale` widens
+    along x and y.
     """
     points = np.asarray(profile, dtype=np.float64)
     steps = np.diff(points, axis=0)  # (k-1, 2)
@@ -162,7 +167,7 @@ def _band(
     return _strips(vertices, directions, texcoords)
 
 
-def tube(path: npt.ArrayLike, radius: float, sides: int = 12, flatten: float = 1.0) -> Mesh:
+def tube(path: Profile, radius: float, sides: int = 12, flatten: float = 1.0) -> Mesh:
     """Return a bent rod along a path (k, 3) [m]; `flatten` makes it oval."""
     points = np.asarray(path, dtype=np.float64)
     tangents = _unit(np.gradient(points, axis=0))
@@ -171,9 +176,9 @@ def tube(path: npt.ArrayLike, radius: float, sides: int = 12, flatten: float = 1
     )
     vertices, normals, texcoords = [], [], []
     angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)
-    first = _unit(np.cross(reference, tangents[0])[None])[0]
+    first = unit(np.cross(reference, tangents[0]))
     for number, (point, tangent) in enumerate(zip(points, tangents, strict=True)):
-        first = _unit((first - (first @ tangent) * tangent)[None])[0]
+        first = unit(first - float(first @ tangent) * tangent)
         second = np.cross(tangent, first)
         ring = np.cos(angle)[:, None] * first * flatten + np.sin(angle)[:, None] * second
         vertices.append(point + radius * ring)
@@ -184,11 +189,12 @@ def tube(path: npt.ArrayLike, radius: float, sides: int = 12, flatten: float = 1
 
 
 def sheet(heights: Points, size: Size) -> Mesh:
-    """Return a draped sheet with this height [m] at each knot (rows along x, columns along y), both sides."""
+    """Return both sides of a draped sheet of these heights [m]; rows along x, columns along y."""
     rows, columns = heights.shape
     x = np.linspace(-size[0] / 2, size[0] / 2, rows)
     y = np.linspace(-size[1] / 2, size[1] / 2, columns)
-    slope_x, slope_y = np.gradient(heights, x, y)
+    slope_x = np.gradient(heights, x, axis=0)
+    slope_y = np.gradient(heights, y, axis=1)
     grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
     vertices = [
         np.column_stack([grid_x[:, j], grid_y[:, j], heights[:, j]]) for j in range(columns)
@@ -218,7 +224,7 @@ def arc(
     """Return points (count, 3) of an ellipse in the x-z plane, angles [rad] from +x towards +z."""
     angle = np.linspace(start, end, count)
     path = np.column_stack([radii[0] * np.cos(angle), np.zeros(count), radii[1] * np.sin(angle)])
-    return path + np.asarray(centre)
+    return np.asarray(path + np.asarray(centre))
 
 
 def _strips(vertices: list[Points], normals: list[Points], texcoords: list[Points]) -> Mesh:

@@ -1,4 +1,4 @@
-"""What an object is made of: parts to look at, and simple colliders to touch. Knows nothing of MuJoCo."""
+"""What an object is made of: parts to look at, colliders to touch. Knows nothing of MuJoCo."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -79,7 +79,8 @@ class Collider:
 
     shape: Literal["box", "cylinder", "sphere", "capsule"]
     size: tuple[float, ...]
-    """Half extents (box), radius and half length along z (cylinder, capsule), radius (sphere) [m]"""
+    """Half extents (box), radius and half length along z (cylinder, capsule), radius (sphere)
+    [m]"""
     position: tuple[float, float, float]
     """Of its centre in the object's frame [m]"""
 

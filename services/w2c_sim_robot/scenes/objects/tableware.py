@@ -18,7 +18,7 @@ GLAZE_INSIDE = (0.95, 0.94, 0.90)
 
 
 def mug(size: Size, rng: np.random.Generator) -> Shape:
-    """Return a glazed mug; its extent along x includes the handle, which points to -x turned half right."""
+    """Return a glazed mug; its extent along x includes the handle, which is somewhere at -x."""
     _, width, z = size
     r = width / 2
     wall = 0.09 * r

@@ -1,4 +1,6 @@
-"""Textures by arithmetic: wood, cloth, print. Grey ones are painted by the colour of their surface."""
+"""Textures by arithmetic: wood, cloth, print. Grey: the surface's colour paints them."""
+
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -19,7 +21,7 @@ def _to_texture(field: Field) -> Texture:
 def noise(
     rng: np.random.Generator, height: int, width: int, grain: float, octaves: int = 4
 ) -> Field:
-    """Return smooth noise (h, w) around 0, standard deviation 1; `grain` = size of its largest spots [px]."""
+    """Return smooth noise (h, w), mean 0, deviation 1; `grain` = its largest spots [px]."""
     total = np.zeros((height, width))
     for octave in range(octaves):
         spot = max(grain / 2**octave, 1.0)
@@ -32,7 +34,7 @@ def wood(rng: np.random.Generator, height: int = 512, width: int = 512, planks: 
     """Return light grey wood: planks along the rows, each with its own grain and tone."""
     result = np.zeros((height, width))
     edges = np.linspace(0, height, planks + 1).astype(int)
-    for top, bottom in zip(edges[:-1], edges[1:], strict=True):
+    for top, bottom in pairwise(edges):
         rows = bottom - top
         across = np.linspace(0, rng.uniform(5, 9), rows)[:, None]
         wave = cv2.resize(noise(rng, rows, 64, 30), (width, rows), interpolation=cv2.INTER_CUBIC)
@@ -87,7 +89,7 @@ def rings(rng: np.random.Generator, height: int = 256, bands: int = 3, width: in
 
 
 def cover(rng: np.random.Generator, height: int = 384, width: int = 288) -> Texture:
-    """Return the cover of a book: a frame, a block of title lines, an emblem, an author's line; print is darker."""
+    """Return the cover of a book: frame, title, emblem and author in darker print."""
     field = 0.96 + 0.015 * noise(rng, height, width, 50)
     ink = rng.uniform(0.25, 0.5)
     if rng.random() < 0.6:
@@ -119,7 +121,7 @@ def _printed_line(
     columns: tuple[float, float],
     ink: float,
 ) -> None:
-    """Draw a line of letters that cannot be read: bars of a letter's width with gaps between words."""
+    """Draw a line of letters that cannot be read: bars, with gaps between words."""
     top, tall = rows
     start, length = columns
     x = start
@@ -165,7 +167,7 @@ def lines(
 def label(
     rng: np.random.Generator, height: int = 256, width: int = 512, stripe: Colour | None = None
 ) -> Texture:
-    """Return the label of a can, bottle or packet, wrapped twice around: a panel with a made-up brand."""
+    """Return the label of a can, bottle or packet: a panel with a made-up brand, twice around."""
     image = np.full((height, width, 3), 0.97)
     band = np.asarray(stripe if stripe is not None else (0.45, 0.45, 0.45))
     low, high = int(rng.uniform(0.08, 0.2) * height), int(rng.uniform(0.8, 0.92) * height)
