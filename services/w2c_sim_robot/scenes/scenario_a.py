@@ -6,7 +6,7 @@ from w2c.errors import ConfigError
 from w2c_sim_robot.scenes.objects.catalogue import make_object
 from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 
-TABLE_DEPTH = 1.0
+TABLE_DEPTH = 1.15
 TABLE_WIDTH = 1.7
 TABLE_FRONT = 0.27
 """Distance of the table's front edge from the soles' midpoint [m]: clear of the robot's feet
