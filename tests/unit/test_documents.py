@@ -7,11 +7,15 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from w2c.tables import calls_table, streams_table
 
 from support.documents import ROOT, commands_of, documents
 
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
 OTHER_PROGRAMS = {"git", "cd", "docker", "curl", "sudo", "python", "scp", "ssh", "bash"}
+
+TABLES = {"streams": streams_table, "calls": calls_table}
+REFERENCE = ROOT / "docs" / "reference" / "messages.md"
 
 COMMANDS = sorted(
     {
@@ -65,3 +69,15 @@ def test_every_shown_command_exists_with_its_flags(document: str, words: tuple[s
     text = help_of(tuple(verb))
     for flag in (word.partition("=")[0] for word in words if word.startswith("--")):
         assert flag in text, f"{flag} of '{' '.join(words)}' in {document}"
+
+
+@pytest.mark.parametrize("name", sorted(TABLES))
+def test_the_tables_of_the_registry_are_true(name: str, request: pytest.FixtureRequest) -> None:
+    """Regenerate them with --accept-golden."""
+    marker = re.compile(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", re.DOTALL)
+    text = REFERENCE.read_text()
+    expected = marker.sub(lambda match: match[1] + TABLES[name]() + match[2], text)
+    if request.config.getoption("--accept-golden"):
+        REFERENCE.write_text(expected)
+    assert REFERENCE.read_text() == expected
+    assert marker.search(text)
