@@ -7,9 +7,9 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from w2c.tables import calls_table, streams_table
 
 from support.documents import ROOT, commands_of, documents
+from w2c.tables import calls_table, streams_table
 
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
 OTHER_PROGRAMS = {"git", "cd", "docker", "curl", "sudo", "python", "scp", "ssh", "bash"}
