@@ -55,7 +55,6 @@ class Simulator:
         self._effector_bodies = [
             model.body(name).id for name in talos.SOLE_FRAMES + talos.HAND_FRAMES
         ]
-        self._pushed_body = model.body("torso_2_link").id
         self._ready = ready_configuration(model)
         stiffness = model.actuator_gainprm[self._actuator_index, 0]
         torque = standing_torque(model, self._ready)[self._velocity_index]
@@ -120,9 +119,10 @@ class Simulator:
         self._end_push()
         self._fell = self._fell or self._has_fallen()
 
-    def push(self, force: Array, duration_s: float) -> None:
-        """Push the torso with a force (3,) in the world [N] from now on."""
-        self._data.xfrc_applied[self._pushed_body, :3] = force
+    def push(self, force: Array, duration_s: float, link: str = "torso_2_link") -> None:
+        """Push a link at its centre of mass with a force (3,) in the world [N] from now on."""
+        self._data.xfrc_applied[:] = 0.0
+        self._data.xfrc_applied[self._model.body(link).id, :3] = force
         self._push_ticks = max(1, round(duration_s * 1e9 / self._period_ns))
 
     def state(self, *, command_tick: int = -1, mode: DriverMode = "holding") -> RobotState:
@@ -190,7 +190,7 @@ class Simulator:
         if self._push_ticks > 0:
             self._push_ticks -= 1
             if self._push_ticks == 0:
-                self._data.xfrc_applied[self._pushed_body] = 0.0
+                self._data.xfrc_applied[:] = 0.0
 
     def _has_fallen(self) -> bool:
         low = bool(self._data.qpos[self._base + 2] < LOWEST_BASE_M)

@@ -119,6 +119,35 @@ def test_free_hand_feels_nothing_whatever_its_posture(robot: Simulator) -> None:
     assert robot.state().left_wrist_wrench == pytest.approx(np.zeros(6), abs=0.02)
 
 
+def test_wrist_feels_what_pushes_the_hand_in_and_at_the_hand_frame(robot: Simulator) -> None:
+    force, link = np.array([5.0, -3.0, 12.0]), "gripper_left_base_link"
+    robot.push(force, 20.0, link)
+    hold(robot, 4.0)
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.truth().generalized_position
+    mujoco.mj_forward(robot.model, data)
+    hand = data.body("left_hand_frame")
+    hand_from_world = hand.xmat.reshape(3, 3).T
+    torque = np.cross(data.body(link).xipos - hand.xpos, force)
+    expected = np.concatenate([hand_from_world @ force, hand_from_world @ torque])
+    assert robot.state().left_wrist_wrench == pytest.approx(expected, abs=0.02)
+
+
+def test_truth_is_of_the_moment_it_is_stamped_with(robot: Simulator) -> None:
+    """While the robot moves, positions and configuration belong together."""
+    start = robot.truth()
+    assert start.world_from_base[3:] == pytest.approx([0.0, 0.0, 0.0, 1.0], abs=1e-6)
+    robot.push(np.array([60.0, 0.0, 0.0]), 0.1)
+    hold(robot, 0.1)
+    truth = robot.truth()
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = truth.generalized_position
+    mujoco.mj_forward(robot.model, data)
+    hands = [data.body(name).xpos for name in talos.HAND_FRAMES]
+    assert np.linalg.norm(hands[1] - start.end_effector_positions[3]) > 1e-3
+    assert truth.end_effector_positions[2:] == pytest.approx(np.array(hands), abs=1e-9)
+
+
 def test_without_the_elastic_offset_the_robot_sags(
     robot: Simulator, description: RobotDescription
 ) -> None:
