@@ -24,6 +24,8 @@ PATIENCE_S = 0.5
 """How long one way may be silent before the next is tried as well [s]"""
 DEADLINE_S = 2.5
 """How long the operator waits for the verdict [s]"""
+DIAL_S = 2.0
+"""Less than the deadline, so that its failure is told by its cause [s]"""
 SETTLE_S = 0.2
 """How long the controller's answer may lag behind the robot's to be told along with it [s]"""
 
@@ -59,7 +61,7 @@ class StopOutcome(msgspec.Struct, frozen=True):
     """acknowledged, or why not"""
     failures: list[str] = []
     seconds: float = 0.0
-    """From the request to this outcome [s]"""
+    """From the request to the acknowledgement, or to giving up [s]"""
     time_ms: int = 0
     """Wall clock [ms since 1970]"""
 
@@ -120,6 +122,7 @@ def deliver_stop(
         _listen(race, answers, until, lambda: race.robot is not None or not race.waiting_for_robot)
         if race.robot is not None:
             break
+    seconds = time.monotonic() - started
     if race.robot is not None and race.controller != "acknowledged":
         settle = time.monotonic() + settle_s
         _listen(race, answers, settle, lambda: race.controller == "acknowledged")
@@ -133,7 +136,7 @@ def deliver_stop(
         line=race.robot.line if race.robot else "",
         controller=race.controller,
         failures=race.failures,
-        seconds=time.monotonic() - started,
+        seconds=seconds,
         time_ms=time.time_ns() // 1_000_000,
     )
 
@@ -238,7 +241,7 @@ def dial_robot(config: ServiceConfig) -> Callable[[], Bus]:
         from w2c.bus.zenoh_bus import connect
 
         quick = msgspec.structs.replace(
-            config, connect_timeout=DEADLINE_S, instance=f"console-{config.instance}"
+            config, connect_timeout=DIAL_S, instance=f"console-{config.instance}"
         )
         # Not "console": of two connections with one name, one that ends looks like both.
         return connect(quick, "operator", [config.robot_endpoint])

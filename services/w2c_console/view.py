@@ -15,8 +15,8 @@ from w2c_console.page import LabelledBox, Marker
 
 FRAMES_KEPT = 30
 """About 10 s of pictures: longer than a sentence takes to be understood"""
-PINS_KEPT = 4
-"""Pictures of the last utterances and clicks, kept however long their answer takes"""
+PINS_KEPT = 16
+"""Pictures of the last utterances, clicks and targets, kept however long an answer takes"""
 VIEWS_KEPT = 120
 POSE_PATIENCE_NS = 2_000_000_000
 """How much older than the newest a picture may be for the sake of a known camera pose [ns]"""

@@ -1,11 +1,10 @@
 """The node: from the bus to the page and back."""
 
-import json
 import socket
 import threading
-import urllib.request
 from collections.abc import Iterator
 
+import httpx
 import pytest
 
 from fakes.console_world import ConsoleWorld
@@ -38,15 +37,8 @@ def node(world: ConsoleWorld) -> Iterator[ConsoleNode]:
 
 
 def post(node: ConsoleNode, path: str, body: dict[str, str] | None = None) -> dict[str, object]:
-    request = urllib.request.Request(  # noqa: S310
-        node.url + path,
-        data=b"" if body is None else json.dumps(body).encode(),
-        headers={} if body is None else {"Content-Type": "application/json"},
-        method="POST",
-    )
-    with urllib.request.urlopen(request, timeout=10.0) as response:  # noqa: S310
-        answer: dict[str, object] = json.load(response)
-        return answer
+    answer: dict[str, object] = httpx.post(node.url + path, json=body, timeout=10.0).json()
+    return answer
 
 
 def test_requests_of_the_page_reach_dialogue_and_robot(

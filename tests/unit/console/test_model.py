@@ -5,6 +5,7 @@ from w2c.messages import CameraFrame, GoalEvent, Turn
 from w2c_console.journal import ENTRIES_KEPT
 from w2c_console.model import ConsoleModel
 from w2c_console.page import GoalEntry, TurnEntry
+from w2c_console.view import FRAMES_KEPT
 
 SECOND = 1_000_000_000
 
@@ -46,6 +47,18 @@ def test_the_age_of_a_frozen_picture_and_the_silence_of_the_camera_are_told_apar
     header = model.header(model.scene(live=False), 14 * SECOND)
     assert header.frozen
     assert (header.age_s, header.silent_s) == (4.0, 1.0)
+
+
+def test_the_picture_of_a_target_without_depth_is_kept_until_it_is_decided() -> None:
+    model = ConsoleModel()
+    model.on_frame(frame(SECOND), 0)
+    model.on_target(make_target("t-1", SECOND, point=None))
+    for index in range(2, 2 * FRAMES_KEPT):
+        model.on_frame(frame(index * SECOND), 0)
+    scene = model.scene(live=False)
+    assert scene.frozen
+    assert scene.frame is not None
+    assert scene.frame.stamp_ns == SECOND
 
 
 def test_listeners_hear_of_pictures_targets_and_chat_until_they_leave() -> None:
