@@ -1,9 +1,16 @@
-"""Choose how OpenGL is reached without a display. Must run before MuJoCo is imported."""
+"""Choose how OpenGL is reached without a display.
+
+MuJoCo reads MUJOCO_GL when it is imported; `choose_backend` comes first. Where something else has
+imported MuJoCo already, `make_context` still takes the chosen way.
+"""
 
 import ctypes
+import importlib
 import os
 import subprocess
 import sys
+from functools import cache
+from typing import Any
 
 from w2c.errors import ConfigError
 
@@ -22,25 +29,32 @@ def choose_backend() -> str:
         ConfigError: none works; the message names the packages to install.
     """
     chosen = os.environ.get("MUJOCO_GL", "")
-    for backend in [chosen] if chosen else list(BACKENDS):
+    for backend in [chosen] if chosen else BACKENDS:
         if works(backend):
             os.environ["MUJOCO_GL"] = backend
             return backend
-    tried = chosen or " and ".join(BACKENDS)
+    tried = f"MUJOCO_GL={chosen}" if chosen else " and ".join(BACKENDS)
     raise ConfigError(
         f"no OpenGL without a display: tried {tried}. Install one of them: "
         f"`apt-get install -y {PACKAGES['egl']}` or `apt-get install -y {PACKAGES['osmesa']}`"
     )
 
 
+def make_context(width: int, height: int) -> Any:
+    """Return an OpenGL context (of a class of MuJoCo's, which has no types).
+
+    Raises:
+        ConfigError: there is no OpenGL without a display.
+    """
+    backend = choose_backend()
+    return importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
+
+
+@cache
 def works(backend: str) -> bool:
     """Try a backend in a process of its own: a driver that fails may take the process with it."""
     if not any(_can_load(library) for library in BACKENDS.get(backend, ())):
-        return backend not in BACKENDS and _probe(backend)
-    return _probe(backend)
-
-
-def _probe(backend: str) -> bool:
+        return False
     environment = {**os.environ, "MUJOCO_GL": backend}
     try:
         done = subprocess.run(

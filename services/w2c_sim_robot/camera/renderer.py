@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import ConfigError
+from w2c_sim_robot.camera.gl import make_context
 
 SUPERSAMPLING = 2
 """Antialiased pictures are drawn so many times larger, then shrunk."""
@@ -42,7 +43,7 @@ class Renderer:
         model.vis.global_.offheight = SUPERSAMPLING * height
         model.vis.quality.offsamples = hardware_samples
         self._scene = mujoco.MjvScene(model, maxgeom=4000)
-        self._context = mujoco.GLContext(SUPERSAMPLING * width, SUPERSAMPLING * height)
+        self._context = make_context(SUPERSAMPLING * width, SUPERSAMPLING * height)
         self._context.make_current()
         self._gpu = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._gpu)

@@ -39,6 +39,7 @@ def counter(size: Size, rng: np.random.Generator) -> Shape:
     x, y, z = size
     worktop = prism(rounded_rectangle(x, y, 0.012), 0.04, 0.004).moved((0, 0, z - 0.04))
     body = box((x - 0.06, y - 0.02, z - 0.14)).moved((0.02, 0, 0.1))
+    plinth = box((x - 0.16, y - 0.06, 0.1)).moved((0.04, 0, 0))
     doors, knobs = [], []
     count = max(2, round(y / 0.5))
     wide = (y - 0.02) / count
@@ -52,7 +53,7 @@ def counter(size: Size, rng: np.random.Generator) -> Shape:
         (
             Part(worktop, Surface("main", textures.concrete(rng), 0.5)),
             Part(merged(body, *doors), Surface((0.86, 0.86, 0.84), None, 0.25)),
-            Part(merged(*knobs), Surface((0.35, 0.36, 0.38), None, 0.8)),
+            Part(merged(plinth, *knobs), Surface((0.35, 0.36, 0.38), None, 0.8)),
         ),
         (Collider("box", (x / 2, y / 2, z / 2), (0, 0, z / 2)),),
     )

@@ -70,6 +70,7 @@ def apple(size: Size, rng: np.random.Generator) -> Shape:
         - 0.1 * z * np.exp(-((t - np.pi) ** 2) / 0.12)
         + 0.03 * z * np.exp(-(t**2) / 0.1)
     )
+    high = high - high.min()
     body = lathe(np.column_stack([np.maximum(wide, 0), high]))
     stalk = tube([[0, 0, 0.8 * z], [0.02 * r, 0, 0.9 * z], [0.12 * r, 0.05 * r, z]], 0.05 * r, 6)
     return Shape(

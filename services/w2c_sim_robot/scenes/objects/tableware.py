@@ -18,7 +18,7 @@ GLAZE_INSIDE = (0.95, 0.94, 0.90)
 
 
 def mug(size: Size, rng: np.random.Generator) -> Shape:
-    """Return a glazed mug; its extent along x includes the handle, which is somewhere at -x."""
+    """Return a glazed mug; its extent along x includes the handle, which points to -x."""
     _, width, z = size
     r = width / 2
     wall = 0.09 * r
@@ -46,15 +46,11 @@ def mug(size: Size, rng: np.random.Generator) -> Shape:
         0.13 * r,
         flatten=1.3,
     )
-    angle = np.radians(rng.uniform(-60, 60))
-    turn = np.array(
-        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
-    )
     glaze = textures.rings(rng) if rng.random() < 0.5 else textures.speckle(rng, 0.015)
     return Shape(
         (
             Part(outer, Surface("main", glaze, 0.85)),
-            Part(handle.rotated(turn), Surface("main", None, 0.85)),
+            Part(handle, Surface("main", None, 0.85)),
             Part(inner, Surface(GLAZE_INSIDE, None, 0.7)),
         ),
         (Collider("cylinder", (r, z / 2), (0, 0, z / 2)),),
@@ -89,8 +85,14 @@ def bowl(size: Size, rng: np.random.Generator) -> Shape:
 def plate(size: Size, rng: np.random.Generator) -> Shape:
     """Return a flat plate with a raised rim, and a ring printed on it."""
     r, z = size[1] / 2, size[2]
-    under = [[0, 0], [0.6 * r, 0], [0.68 * r, 0.25 * z], [r, 0.88 * z], [0.995 * r, z]]
-    over = [
+    under: list[list[float]] = [
+        [0, 0],
+        [0.6 * r, 0],
+        [0.68 * r, 0.25 * z],
+        [r, 0.88 * z],
+        [0.995 * r, z],
+    ]
+    over: list[list[float]] = [
         [0.995 * r, z],
         [0.94 * r, 0.92 * z],
         [0.7 * r, 0.42 * z],

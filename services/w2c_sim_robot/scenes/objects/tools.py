@@ -85,7 +85,8 @@ def mallet(size: Size, rng: np.random.Generator) -> Shape:
         ),
         (
             Collider("box", (r, y / 2, r), (x / 2 - r, 0, r)),
-            Collider("box", (x / 2 - r, 0.42 * r, 0.42 * r), (-r, 0, r)),
+            # Deeper than it looks, for the end of the handle rests on the table.
+            Collider("box", (x / 2 - r, 0.42 * r, 0.71 * r), (-r, 0, 0.71 * r)),
         ),
     )
 

@@ -1,0 +1,140 @@
+"""Pictures of random scenes agree with the truth written beside them."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from w2c.geometry import Intrinsics, inverse
+from w2c_sim_robot.scenes import __main__ as scenes_command
+from w2c_sim_robot.scenes.render import DEPTH_UNIT, render
+from w2c_sim_robot.scenes.scene import load
+
+SIZE = (320, 180)
+COUNT = 8
+
+
+@pytest.fixture(scope="module")
+def rendered(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, list[Any]]]:
+    """Yield a directory of pictures, and what their truth files say."""
+    directory = tmp_path_factory.mktemp("pictures")
+    paths = list(render(directory, 40, COUNT, SIZE, depth=True))
+    yield directory, [json.loads(path.read_text()) for path in paths]
+
+
+def test_each_seed_gives_its_files(rendered: tuple[Path, list[Any]]) -> None:
+    directory, truths = rendered
+
+    assert [truth["seed"] for truth in truths] == list(range(40, 40 + COUNT))
+    for truth in truths:
+        picture = cv2.imread(str(directory / truth["image"]))
+        assert picture.shape == (SIZE[1], SIZE[0], 3)
+        assert picture.std() > 10
+
+
+def test_boxes_and_pixel_counts_are_those_of_the_identity_picture(
+    rendered: tuple[Path, list[Any]],
+) -> None:
+    directory, truths = rendered
+    visible = 0
+    for truth in truths:
+        identity = cv2.imread(str(directory / truth["identity"]), cv2.IMREAD_UNCHANGED)
+        for item in truth["objects"]:
+            rows, columns = np.nonzero(identity == item["id"])
+            assert item["visible_pixels"] == len(rows)
+            if len(rows):
+                visible += 1
+                left, top, right, bottom = item["box"]
+                assert (left, top) == (columns.min(), rows.min())
+                assert (right, bottom) == (columns.max() + 1, rows.max() + 1)
+            else:
+                assert item["box"] is None
+    assert visible > 3 * COUNT
+
+
+def test_an_object_is_seen_where_its_pose_says(rendered: tuple[Path, list[Any]]) -> None:
+    """The middle of each thing that is well in view projects into its own box."""
+    _, truths = rendered
+    checked = 0
+    for truth in truths:
+        intrinsics = Intrinsics(*truth["intrinsics"])
+        camera_from_world = inverse(np.array(truth["world_from_camera"]))
+        for item in truth["objects"][1:]:
+            if item["visible_pixels"] < 300:
+                continue
+            middle = np.array([*item["position"][:2], item["position"][2] + item["size"][2] / 2, 1])
+            u, v = intrinsics.pixel_from_point((camera_from_world @ middle)[:3])
+            left, top, right, bottom = item["box"]
+            if 2 < left and right < SIZE[0] - 2 and 2 < top and bottom < SIZE[1] - 2:
+                checked += 1
+                assert left <= u <= right
+                assert top <= v <= bottom
+    assert checked >= 5
+
+
+def test_a_thing_has_the_colour_that_the_truth_names(rendered: tuple[Path, list[Any]]) -> None:
+    directory, truths = rendered
+    checked = 0
+    hues = {"red": 0, "green": 65, "blue": 112, "yellow": 25}
+    for truth in truths:
+        hsv = cv2.cvtColor(cv2.imread(str(directory / truth["image"])), cv2.COLOR_BGR2HSV)
+        identity = cv2.imread(str(directory / truth["identity"]), cv2.IMREAD_UNCHANGED)
+        for item in truth["objects"][1:]:
+            if item["colour"] not in hues or item["visible_pixels"] < 300:
+                continue
+            pixels = hsv[identity == item["id"]].astype(int)
+            vivid = pixels[pixels[:, 1] > 100]
+            off = np.abs((vivid[:, 0] - hues[item["colour"]] + 90) % 180 - 90)
+            checked += 1
+            assert np.median(off) < 22, item
+    assert checked >= 4
+
+
+def test_depth_puts_the_table_top_at_its_height(rendered: tuple[Path, list[Any]]) -> None:
+    directory, truths = rendered
+    for truth in truths:
+        depth = cv2.imread(str(directory / f"{truth['seed']:07d}_depth.png"), cv2.IMREAD_UNCHANGED)
+        identity = cv2.imread(str(directory / truth["identity"]), cv2.IMREAD_UNCHANGED)
+        rows, columns = np.nonzero(identity == truth["objects"][0]["id"])
+        z = depth[rows, columns] * DEPTH_UNIT
+        fx, fy, cx, cy = truth["intrinsics"]
+        points = np.column_stack(
+            [(columns + 0.5 - cx) / fx * z, (rows + 0.5 - cy) / fy * z, z, np.ones(len(z))]
+        )
+        heights = (points @ np.array(truth["world_from_camera"]).T)[:, 2]
+
+        # Edges are smoothed over; the surface itself is not.
+        assert np.median(heights) == pytest.approx(truth["objects"][0]["size"][2], abs=1e-3)
+
+
+def test_a_picture_depends_on_its_seed_alone_and_sets_can_be_continued(
+    rendered: tuple[Path, list[Any]], tmp_path: Path
+) -> None:
+    directory, _ = rendered
+
+    list(render(tmp_path, 42, 1, SIZE))
+    kept = (tmp_path / "0000042.jpg").stat().st_mtime_ns
+    list(render(tmp_path, 42, 1, SIZE, resume=True))
+
+    assert (tmp_path / "0000042.jpg").read_bytes() == (directory / "0000042.jpg").read_bytes()
+    assert (tmp_path / "0000042.jpg").stat().st_mtime_ns == kept
+
+
+def test_the_command_writes_scene_files(tmp_path: Path) -> None:
+    path = tmp_path / "scene.json"
+
+    status = scenes_command.main(["make", "--out", str(path), "--book", "0.45", "-0.2"])
+
+    assert status == 0
+    assert load(path).object("book").position[:2] == (0.45, -0.2)
+
+
+def test_the_command_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    status = scenes_command.main(["make", "--out", str(tmp_path / "s.json"), "--cup", "3.0", "0.0"])
+
+    assert status == 2
+    assert "not on the table" in capsys.readouterr().err
