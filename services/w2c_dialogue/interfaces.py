@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
+from w2c.bus.codec import Input
 from w2c.messages import CameraView, GoalReply, LiftReply, PhraseEvidence, PlaceGoal
 from w2c_dialogue.prompts.base import Question
 
@@ -18,6 +19,8 @@ class Frame:
     jpeg: bytes
     view: CameraView | None = None
     """Where the camera was; None where perception has not said"""
+    source: Input | None = None
+    """The message it came in, for the record of what was computed from what"""
 
 
 @dataclass(frozen=True)
@@ -62,10 +65,3 @@ class Controller(Protocol):
 
     def stop(self, reason: str) -> str:
         """Hold the robot. Returns what acknowledged it, for the operator."""
-
-
-class Stopwatch(Protocol):
-    """Tells how long things take."""
-
-    def __call__(self) -> int:
-        """Return a monotonic time [ns]."""

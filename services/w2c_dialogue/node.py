@@ -3,11 +3,11 @@
 import logging
 import threading
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from w2c import topics
 from w2c.bus import Bus
-from w2c.bus.interface import Queue
+from w2c.bus.interface import CallContext, Queue, Received
 from w2c.clock import Clock
 from w2c.messages import (
     CameraFrame,
@@ -69,9 +69,9 @@ class DialogueNode:
         self._pump(self._bus.queue(topics.CAMERA_FRAME, FRAME_QUEUE), self._on_frame, "frames")
         self._pump(self._bus.queue(topics.CAMERA_VIEW), self._on_view, "views")
         self._pump(self._bus.queue(topics.GOAL_EVENT), self._on_goal_event, "goals")
-        self._bus.serve(topics.SAY, lambda request, _: self.say(request), workers=WORKERS)
-        self._bus.serve(topics.CONFIRM, lambda request, _: self.confirm(request), workers=WORKERS)
-        self._bus.serve(topics.POINT, lambda request, _: self.point(request), workers=WORKERS)
+        self._bus.serve(topics.SAY, self.say, workers=WORKERS)
+        self._bus.serve(topics.CONFIRM, self.confirm, workers=WORKERS)
+        self._bus.serve(topics.POINT, self.point, workers=WORKERS)
 
     def run(self, stop: threading.Event) -> None:
         """Repeat the target and watch over the goal until the end."""
@@ -86,17 +86,17 @@ class DialogueNode:
         for thread in self._threads:
             thread.join(timeout=2.0)
 
-    def say(self, request: SayRequest) -> Turn:
+    def say(self, request: SayRequest, context: CallContext) -> Turn:
         """Answer an utterance."""
-        return self._publish(self._dialogue.say(request))
+        return self._publish(self._dialogue.say(request), context.request)
 
-    def confirm(self, request: ConfirmRequest) -> Turn:
+    def confirm(self, request: ConfirmRequest, context: CallContext) -> Turn:
         """Answer the Confirm button."""
-        return self._publish(self._dialogue.confirm(request))
+        return self._publish(self._dialogue.confirm(request), context.request)
 
-    def point(self, request: PointRequest) -> Turn:
+    def point(self, request: PointRequest, context: CallContext) -> Turn:
         """Answer a click."""
-        return self._publish(self._dialogue.point(request))
+        return self._publish(self._dialogue.point(request), context.request)
 
     def check_goal(self) -> None:
         """Give up a goal that the controller does not know any more: it may have been restarted."""
@@ -115,35 +115,40 @@ class DialogueNode:
         if turn is not None:
             self._publish(turn)
 
-    def _on_frame(self, message: CameraFrame) -> None:
-        self._frames.add_frame(Frame(message.stamp_ns, message.width, message.height, message.jpeg))
+    def _on_frame(self, received: Received[CameraFrame]) -> None:
+        message = received.message
+        source = received.as_input()
+        self._frames.add_frame(
+            Frame(message.stamp_ns, message.width, message.height, message.jpeg, source=source)
+        )
 
-    def _on_view(self, message: CameraView) -> None:
-        self._frames.add_view(message)
+    def _on_view(self, received: Received[CameraView]) -> None:
+        self._frames.add_view(received.message)
 
-    def _on_goal_event(self, message: GoalEvent) -> None:
-        turn = self._dialogue.follow(message)
+    def _on_goal_event(self, received: Received[GoalEvent]) -> None:
+        turn = self._dialogue.follow(received.message)
         if turn is not None:
-            self._publish(turn)
+            self._publish(turn, received)
 
-    def _publish(self, turn: Turn) -> Turn:
+    def _publish(self, turn: Turn, cause: Received[Any] | None = None) -> Turn:
+        inputs = [cause.as_input()] if cause else []
         if turn.target is not None:
             self._target = turn.target
-            self._bus.publish(topics.TARGET, turn.target)
-        self._bus.publish(topics.TURN, turn)
+            self._bus.publish(topics.TARGET, turn.target, inputs)
+        self._bus.publish(topics.TURN, turn, inputs)
         _LOG.info(
             "turn", extra={"module_name": turn.module, "ok": turn.ok, "seconds": turn.seconds}
         )
         return turn
 
-    def _pump(self, queue: Queue[M], handle: Callable[[M], None], name: str) -> None:
+    def _pump(self, queue: Queue[M], handle: Callable[[Received[M]], None], name: str) -> None:
         """Hand every message of a queue to a handler, on a thread of its own."""
 
         def work() -> None:
             while not self._stop.is_set():
                 received = queue.receive(POLL_S)
                 if received is not None:
-                    handle(received.message)
+                    handle(received)
 
         thread = threading.Thread(target=work, name=name, daemon=True)
         self._threads.append(thread)

@@ -55,7 +55,9 @@ class RemoteServices:
     ) -> list[PhraseEvidence]:
         """Look for phrases in a picture."""
         request = GroundingRequest(jpeg=frame.jpeg, phrases=list(phrases), want=want)
-        return self._bus.call(topics.GROUND, request, timeout_s=self._timeout_s).message.evidence
+        inputs = [frame.source] if frame.source else []
+        reply = self._bus.call(topics.GROUND, request, timeout_s=self._timeout_s, inputs=inputs)
+        return reply.message.evidence
 
     def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
         """Find the point of the world behind a pixel."""

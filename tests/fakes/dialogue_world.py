@@ -14,8 +14,8 @@ from w2c_dialogue.prompts.base import Question
 class ScriptedModel:
     """Answers by task; an answer that is an exception is raised. The last answer of a task repeats."""
 
-    def __init__(self, **answers: list[Any]) -> None:
-        self.answers: dict[str, list[Any]] = dict(answers)
+    def __init__(self, **answers: Sequence[Any]) -> None:
+        self.answers = {task: list(queue) for task, queue in answers.items()}
         self.questions: list[Question] = []
         self.priors: list[dict[str, float]] = []
 

@@ -1,5 +1,7 @@
 """The conversation of scenario (a), and all that goes wrong in conversations."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
@@ -20,8 +22,8 @@ STAY = {"x": "target.u", "y": "target.v"}
 class World:
     """A dialogue among fakes."""
 
-    def __init__(self, **answers: list[object]) -> None:
-        defaults: dict[str, list[object]] = {
+    def __init__(self, **answers: Sequence[object]) -> None:
+        defaults: dict[str, Sequence[object]] = {
             "select": ["prediction"],
             "analyze": [{"position": "absolute", "objects": ["8-8"]}],
             "objects": [{"objects": []}],
@@ -87,7 +89,7 @@ class World:
 FIRST = "Place your right hand on top of the book"
 
 
-def first_words(text: str = FIRST) -> dict[str, list[object]]:
+def first_words(text: str = FIRST) -> dict[str, Sequence[object]]:
     return {
         "analyze": [
             {"position": "absolute", "objects": [f"{len(text.split())}-{len(text.split())}"]}

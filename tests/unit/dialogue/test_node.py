@@ -1,0 +1,264 @@
+"""The dialogue as a service: requests in, targets and turns out, other services called over the bus."""
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from typing import cast
+
+import numpy as np
+import pytest
+from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
+
+from w2c import topics
+from w2c.bus import InProcessHub
+from w2c.bus.codec import Input
+from w2c.bus.interface import CallContext
+from w2c.clock import StepClock
+from w2c.errors import UnavailableError
+from w2c.messages import (
+    CameraFrame,
+    ChooseReply,
+    ChooseRequest,
+    CompleteReply,
+    CompleteRequest,
+    ConfirmRequest,
+    ControllerStatus,
+    GoalEvent,
+    GroundingReply,
+    GroundingRequest,
+    SayRequest,
+    StopReply,
+    StopRequest,
+    Turn,
+)
+from w2c_dialogue.config import DialogueConfig
+from w2c_dialogue.interfaces import Frame
+from w2c_dialogue.node import DialogueNode
+from w2c_dialogue.prompts.base import Question, TaskName
+
+WAIT_S = 10.0
+
+
+class Robot:
+    """The other services on their own buses, played by fakes."""
+
+    def __init__(self) -> None:
+        self.hub = InProcessHub()
+        self.model = ScriptedModel(
+            select=["prediction"],
+            analyze=[{"position": "absolute", "objects": ["4-4"]}],
+            effector=[{"effector": "right_hand", "task": "contact"}],
+        )
+        self.grounding = KnownThings(book=(400, 300, 600, 420))
+        self.lift = TableTop()
+        self.controller = GoalTaker()
+        self.buses = {
+            name: self.hub.connect(name)
+            for name in ("llm", "grounding", "perception", "controller", "robot", "camera", "console")
+        }
+        self.clock = StepClock(1)
+        self.ground_inputs: Sequence[Input] = ()
+        self._serve()
+
+    def _serve(self) -> None:
+        bus = self.buses
+        bus["llm"].serve(topics.COMPLETE, lambda request, _: self._complete(request))
+        bus["llm"].serve(topics.CHOOSE, lambda request, _: self._choose(request))
+        bus["grounding"].serve(topics.GROUND, self._ground)
+        bus["perception"].serve(topics.LIFT, lambda r, _: self.lift.lift(r.u, r.v, r.frame_stamp_ns))
+        bus["controller"].serve(topics.PLACE, lambda request, _: self.controller.place(request))
+        bus["robot"].serve(topics.ROBOT_STOP, lambda request, _: self._stop(request.reason))
+
+    def _question(self, request: CompleteRequest | ChooseRequest) -> Question:
+        messages = tuple(request.messages)
+        task = cast(TaskName, messages[0].content)
+        return Question(task, messages, 1)
+
+    def _complete(self, request: CompleteRequest) -> CompleteReply:
+        value = self.model.complete(self._question(request))
+        return CompleteReply(
+            text="", value=value, model="fake", prompt_tokens=1, reused_tokens=0, completion_tokens=1,
+            queue_ms=0.0, prefill_ms=0.0, decode_ms=0.0,
+        )  # fmt: skip
+
+    def _choose(self, request: ChooseRequest) -> ChooseReply:
+        choice = self.model.choose(self._question(request), {})
+        return ChooseReply(
+            option=choice.option, probabilities=choice.probabilities, model="fake", prompt_tokens=1,
+            reused_tokens=0, queue_ms=0.0, prefill_ms=0.0,
+        )  # fmt: skip
+
+    def _ground(self, request: GroundingRequest, context: CallContext) -> GroundingReply:
+        self.ground_inputs = context.request.envelope.inputs
+        frame = Frame(0, 1280, 720, request.jpeg)
+        evidence = self.grounding.ground(frame, request.phrases, request.want)
+        return GroundingReply(model="fake", width=1280, height=720, evidence=evidence, milliseconds=1.0)
+
+    def _stop(self, reason: str) -> StopReply:
+        self.controller.stop(reason)
+        return StopReply(mode="stopped", stamp_ns=1)
+
+    def say(self, text: str) -> Turn:
+        """Say something from the console."""
+        return self.buses["console"].call(topics.SAY, SayRequest(text=text)).message
+
+    def confirm(self, target_id: str) -> Turn:
+        """Press Confirm on the console."""
+        return self.buses["console"].call(topics.CONFIRM, ConfirmRequest(target_id=target_id)).message
+
+    def show(self, stamp_ns: int) -> None:
+        """Publish a picture."""
+        frame = CameraFrame(
+            stamp_ns=stamp_ns, frame="camera", width=1280, height=720,
+            intrinsics=(800.0, 800.0, 640.0, 360.0), jpeg=b"jpeg", depth=b"",
+        )  # fmt: skip
+        self.buses["camera"].publish(topics.CAMERA_FRAME, frame)
+
+    def status(self, goal_id: str, message: str = "") -> None:
+        """Publish what the controller does."""
+        self.buses["controller"].publish(
+            topics.CONTROLLER_STATUS,
+            ControllerStatus(
+                stamp_ns=1, tick=1, phase="hold", goal_id=goal_id, in_contact=(True, True, False, False),
+                desired_forces=np.zeros((4, 3)), end_effector_positions=np.zeros((4, 3)), loads=np.zeros(4),
+                solver_failures=0, lateness_us={}, tick_us={}, message=message,
+            ),
+        )  # fmt: skip
+
+
+@pytest.fixture
+def robot() -> Robot:
+    return Robot()
+
+
+@pytest.fixture
+def node(robot: Robot) -> Iterator[DialogueNode]:
+    bus = robot.hub.connect("dialogue")
+    dialogue = DialogueNode(DialogueConfig(robot="test"), bus, robot.clock)
+    dialogue.configure()
+    yield dialogue
+    dialogue.close()
+    bus.close()
+
+
+def until(condition: Callable[[], bool]) -> None:
+    """Wait until a condition holds, or fail."""
+    done = threading.Event()
+    for _ in range(int(WAIT_S / 0.01)):
+        if condition():
+            return
+        done.wait(0.01)
+    pytest.fail("the condition did not come true")
+
+
+@pytest.mark.usefixtures("node")
+def test_say_and_confirm_over_the_bus(robot: Robot) -> None:
+    console = robot.buses["console"]
+    targets, turns = console.queue(topics.TARGET), console.queue(topics.TURN)
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    while (received := targets.receive(WAIT_S)) is not None and received.message.state != "proposed":
+        pass
+    assert received is not None
+    proposed = received.message
+    assert (proposed.u, proposed.v, proposed.frame_stamp_ns) == (500, 360, 100)
+
+    turn = robot.confirm(proposed.target_id)
+    assert turn.ok
+    assert robot.controller.goals[0].goal_id == turn.goal_id
+    confirmed = targets.receive(WAIT_S)
+    assert confirmed is not None
+    assert confirmed.message.state == "confirmed"
+
+    robot.buses["controller"].publish(
+        topics.GOAL_EVENT,
+        GoalEvent(stamp_ns=5, goal_id=turn.goal_id, end_effector="right_hand", task="contact", state="loaded"),
+    )
+    landed = targets.receive(WAIT_S)
+    assert landed is not None
+    assert landed.message.state == "in_contact"
+    modules: list[str] = []
+    while len(modules) < 3 or modules[-1] != "none":
+        received_turn = turns.receive(WAIT_S)
+        assert received_turn is not None
+        modules.append(received_turn.message.module)
+    assert modules[-3:] == ["prediction.absolute", "confirmation", "none"]
+
+
+@pytest.mark.usefixtures("node")
+def test_stop_reaches_the_driver_though_the_controller_serves_no_stop(robot: Robot) -> None:
+    turn = robot.say("stop!")
+    assert turn.ok
+    assert robot.controller.stops
+    assert "did not acknowledge" in turn.reply
+
+
+@pytest.mark.usefixtures("node")
+def test_missing_services_are_named(robot: Robot) -> None:
+    robot.show(100)
+    robot.buses["llm"].close()
+    turn = robot.say("lean on the book")
+    assert not turn.ok
+    assert "language model is not there" in turn.reply
+
+
+def test_a_goal_the_controller_forgot_is_given_up(robot: Robot, node: DialogueNode) -> None:
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    turn = robot.say("lean on the book")
+    assert turn.target is not None
+    goal_id = robot.confirm(turn.target.target_id).goal_id
+    turns = robot.buses["console"].queue(topics.TURN)
+    robot.status(goal_id)
+    robot.clock.set(robot.clock.now_ns() + 60_000_000_000)
+    node.check_goal()
+    assert "wait" in robot.say("lean on the book").reply.lower()
+    robot.status("", "restarted")
+    node.check_goal()
+    replies: list[str] = []
+    while not any("restarted" in reply for reply in replies):
+        received = turns.receive(WAIT_S)
+        assert received is not None
+        replies.append(received.message.reply)
+    assert robot.say("lean on the book").ok
+
+
+def test_the_target_is_repeated_for_late_readers(robot: Robot, node: DialogueNode) -> None:
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    late = robot.buses["console"].latest(topics.TARGET)
+    stop = threading.Event()
+    thread = threading.Thread(target=node.run, args=(stop,))
+    thread.start()
+    try:
+        received = late.wait(WAIT_S)
+    finally:
+        stop.set()
+        thread.join(WAIT_S)
+    assert received is not None
+    assert received.message.state == "proposed"
+
+
+@pytest.mark.usefixtures("node")
+def test_an_unserved_stop_is_not_called_done(robot: Robot) -> None:
+    robot.buses["robot"].close()
+    turn = robot.say("stop")
+    assert not turn.ok
+    assert "NOT ACKNOWLEDGED" in turn.reply
+    with pytest.raises(UnavailableError):
+        robot.buses["console"].call(topics.ROBOT_STOP, StopRequest())
+
+
+@pytest.mark.usefixtures("node")
+def test_a_turn_names_the_message_it_answers_and_grounding_the_picture_it_was_given(
+    robot: Robot,
+) -> None:
+    console = robot.buses["console"]
+    turns = console.queue(topics.TURN)
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    received = turns.receive(WAIT_S)
+    while received is not None and not received.message.ok:
+        received = turns.receive(WAIT_S)
+    assert received is not None
+    assert any("rpc/dialogue" in source.key for source in received.envelope.inputs)
+    assert any("rgbd" in source.key for source in robot.ground_inputs)
