@@ -287,6 +287,34 @@ def test_a_stop_from_elsewhere_can_be_resumed_here(world: ConsoleWorld, open_pag
     wait_until(lambda: world.robot.mode == "tracking")
 
 
+def test_a_resume_from_elsewhere_is_shown_here(world: ConsoleWorld, open_page: Open) -> None:
+    page = open_page()
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_text("holding (acknowledged at").wait_for()
+    world.robot.stamp_ns += SECOND
+    world.robot.mode = "tracking"
+    page.get_by_text("holding (acknowledged at").wait_for(state="hidden")
+    assert page.get_by_role("button", name="Resume").is_hidden()
+
+
+def test_neither_stop_nor_confirm_moves_when_there_is_something_to_say(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    """A button that moves is pressed by mistake."""
+    world.take_picture(SECOND)
+    world.dialogue.show(make_target("t-1", SECOND, point=None))
+    page = open_page(700, 1000)
+    buttons = [page.get_by_role("button", name=name) for name in ("Stop", "Confirm t-1")]
+    before = [button.bounding_box() for button in buttons]
+    world.take_picture(2 * SECOND)
+    page.get_by_text("Picture frozen").wait_for()
+    assert [button.bounding_box() for button in buttons] == before
+    buttons[0].click()
+    page.get_by_text("holding (acknowledged at").wait_for()
+    page.get_by_role("button", name="Resume").wait_for()
+    assert buttons[0].bounding_box() == before[0]
+
+
 def test_the_page_says_when_there_is_no_picture(world: ConsoleWorld, open_page: Open) -> None:
     world.take_picture(SECOND)
     page = open_page()

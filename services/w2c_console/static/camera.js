@@ -6,6 +6,7 @@ import { byId, makeSvg } from "./dom.js";
 
 const DOT_RADIUS = 5;
 const RING_RADIUS = 18;
+const HINT = "Click on the picture to point at a place.";
 
 /**
  * @typedef {{target_id: string, u: number, v: number, state: string, corrected: boolean}} Marker
@@ -101,8 +102,10 @@ export class Camera {
     if (header.notice === "") this.live = false;
     button.hidden = !header.frozen && !this.live;
     button.textContent = this.live ? "Back to the target" : "Show live picture";
-    byId("notice", HTMLElement).hidden = header.notice === "";
-    byId("notice-text", HTMLElement).textContent = header.notice;
+    byId("notice", HTMLElement).classList.toggle("raised", header.notice !== "");
+    const text = header.notice || HINT;
+    const notice = byId("notice-text", HTMLElement);
+    if (notice.textContent !== text) notice.textContent = text;
   }
 
   showAge() {

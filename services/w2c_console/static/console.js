@@ -101,7 +101,7 @@ function showTarget() {
   const warning = byId("target-warning", HTMLElement);
   const known = target !== null && target.state !== "abandoned" ? target : null;
   if (known === null && marker === null) {
-    name.textContent = "No target. Say where a hand should go, or click on the picture.";
+    name.textContent = "No target. Say where a hand should go.";
     words.textContent = "";
     warning.textContent = "";
     return;

@@ -6,6 +6,8 @@ import { byId, make, timeOfDay } from "./dom.js";
 
 const STOP_MS = 5000;
 const RESUME_MS = 10_000;
+/** A state this much younger than the acknowledgement [ns] was surely made after it. */
+const SETTLE_NS = 100_000_000n;
 
 /**
  * @typedef {{
@@ -90,7 +92,7 @@ export class Stop {
     if (robot.mode === "stopped") {
       this.resumeButton.hidden = false;
       if (this.status.dataset.level !== "held") this.show("held", "holding (stopped)", "");
-    } else if (this.status.dataset.level === "held" && BigInt(robot.stamp) > (this.heldSince ?? 0n)) {
+    } else if (this.status.dataset.level === "held" && BigInt(robot.stamp) > (this.heldSince ?? 0n) + SETTLE_NS) {
       this.resumeButton.hidden = true;
       this.show("", "", "");
     }
