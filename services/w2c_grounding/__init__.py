@@ -1,0 +1,1 @@
+"""Grounding: a picture and phrases in, heatmaps, boxes and points out. Knows nothing of robots."""

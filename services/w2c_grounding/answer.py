@@ -1,0 +1,110 @@
+"""A request in, a reply out: the same for the process on the bus and for the command line."""
+
+import hashlib
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from w2c import messages as m
+from w2c_grounding.evidence import Finding, PointRule, find, thumbnail
+from w2c_grounding.family import Evidence, Family
+from w2c_grounding.picture import decode
+from w2c_grounding.registry import ModelCard
+from w2c_grounding.wording import normalised, unknown_words
+
+_REMEMBERED_PICTURES = 4
+"""The operator's frame and those around it: a turn asks about one picture several times."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A picture as the model keeps it."""
+
+    width: int
+    height: int
+    context: Any
+    """Of the family; opaque here"""
+
+
+class Grounder:
+    """Answers requests with one model. Not thread-safe: the caller takes turns."""
+
+    def __init__(
+        self,
+        family: Family[Any],
+        card: ModelCard,
+        rule: PointRule = "interior",
+        timer: Callable[[], int] = time.monotonic_ns,
+    ) -> None:
+        self._family = family
+        self._card = card
+        self._rule: PointRule = rule
+        self._timer = timer
+        self._seen: OrderedDict[bytes, Seen] = OrderedDict()
+
+    def ground(self, request: m.GroundingRequest) -> m.GroundingReply:
+        """Answer every phrase of a request.
+
+        Raises:
+            RefusedError: the picture cannot be decoded, or a phrase holds no word.
+        """
+        started = self._timer()
+        seen, evidence, findings = self.look(request.jpeg, request.phrases)
+        answers = [
+            self._answer(phrase, one, finding, with_heatmap=request.want == "heatmaps")
+            for phrase, one, finding in zip(request.phrases, evidence, findings, strict=True)
+        ]
+        return m.GroundingReply(
+            model=self._card.name,
+            width=seen.width,
+            height=seen.height,
+            evidence=answers,
+            milliseconds=(self._timer() - started) * 1e-6,
+        )
+
+    def look(
+        self, picture: bytes, phrases: Sequence[str]
+    ) -> tuple[Seen, list[Evidence], list[Finding]]:
+        """Return the evidence itself, in pixels of the picture. Raises RefusedError."""
+        texts = [normalised(phrase) for phrase in phrases]
+        seen = self._see(picture)
+        evidence = self._family.query(seen.context, texts)
+        findings = [find(one.heatmap, self._card.threshold, self._rule) for one in evidence]
+        return seen, evidence, findings
+
+    def _see(self, picture: bytes) -> Seen:
+        """Return what the model keeps of a picture; decoded and encoded once for the same bytes."""
+        key = hashlib.blake2b(picture, digest_size=16).digest()
+        seen = self._seen.pop(key, None)
+        if seen is None:
+            image = decode(picture)
+            seen = Seen(image.shape[1], image.shape[0], self._family.prepare(image))
+        self._seen[key] = seen
+        while len(self._seen) > _REMEMBERED_PICTURES:
+            self._seen.popitem(last=False)
+        return seen
+
+    def _answer(
+        self, phrase: str, evidence: Evidence, finding: Finding, *, with_heatmap: bool
+    ) -> m.PhraseEvidence:
+        boxes = [
+            m.Box(
+                left=float(region.left),
+                top=float(region.top),
+                right=float(region.right),
+                bottom=float(region.bottom),
+                score=region.score,
+            )
+            for region in finding.regions
+        ]
+        return m.PhraseEvidence(
+            phrase=phrase,
+            found=finding.found,
+            score=finding.score,
+            point=finding.point,
+            boxes=boxes,
+            heatmap=thumbnail(evidence.heatmap) if with_heatmap else None,
+            unknown_words=unknown_words(phrase, self._card.vocabulary),
+        )

@@ -1,0 +1,129 @@
+"""From a heatmap to an answer: found or not, where, how sure, and which point to touch.
+
+Pure functions. Pixels are (u right, v down), the centre of pixel (0, 0) is at (0.5, 0.5).
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from w2c_grounding.family import Heatmap
+
+Mask = npt.NDArray[np.bool_]
+Pixel = tuple[float, float]
+PointRule = Literal["interior", "peak"]
+
+REGION_FRACTION = 0.5
+"""The region of a phrase is where the heat is at least this share of its peak. Half: the contour
+that is usual for the extent of a peak, and it moves little when a model is more or less sure of
+all its pixels."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """One connected piece of the picture that fits the phrase."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+    """(left, top) inclusive, (right, bottom) exclusive [px]"""
+    score: float
+    """Highest probability inside"""
+    mask: Mask
+    """(bottom - top, right - left)"""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The answer to one phrase."""
+
+    found: bool
+    score: float
+    """Highest probability in the picture, also where nothing was found"""
+    regions: tuple[Region, ...]
+    """Best first; empty where nothing was found"""
+    point: Pixel | None
+    """Where to touch it; None where nothing was found"""
+
+
+def heatmap_from_logits(logits: npt.NDArray[np.float32], width: int, height: int) -> Heatmap:
+    """Return the probabilities of logits (h, w) that cover the whole picture, at its size.
+
+    The logistic function comes before the scaling, so that a value between two pixels is a
+    probability between theirs.
+    """
+    # Beyond 60 the logistic function is 0 or 1 to the last bit; the bound keeps exp from
+    # overflowing.
+    probabilities = 1.0 / (1.0 + np.exp(-np.clip(logits.astype(np.float32), -60.0, 60.0)))
+    scaled = cv2.resize(probabilities, (width, height), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(scaled, dtype=np.float32)
+
+
+def find(heatmap: Heatmap, threshold: float, rule: PointRule = "interior") -> Finding:
+    """Turn the heatmap of a phrase into an answer.
+
+    Args:
+        heatmap: (height, width), 0 to 1.
+        threshold: A peak below it means: the picture does not show this.
+        rule: How the point is chosen, see `interior_point` and `peak_point`.
+    """
+    score = float(heatmap.max())
+    if score < threshold:
+        return Finding(False, score, (), None)
+    regions = regions_of(heatmap, threshold)
+    point = peak_point(heatmap) if rule == "peak" else interior_point(heatmap, regions[0])
+    return Finding(True, score, regions, point)
+
+
+def regions_of(heatmap: Heatmap, threshold: float) -> tuple[Region, ...]:
+    """Return the connected regions whose own peak reaches the threshold, the highest peak first.
+
+    Regions are eight-connected sets of pixels with at least `REGION_FRACTION` of the picture's
+    peak. Equal peaks: the larger region comes first.
+    """
+    level = REGION_FRACTION * float(heatmap.max())
+    inside = (heatmap >= level).astype(np.uint8)
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(inside, connectivity=8)
+    regions: list[tuple[float, int, Region]] = []
+    for label in range(1, len(statistics)):
+        left, top, width, height, area = (int(value) for value in statistics[label])
+        window = np.s_[top : top + height, left : left + width]
+        mask: Mask = labels[window] == label
+        peak = float(heatmap[window][mask].max())
+        if peak >= threshold:
+            region = Region(left, top, left + width, top + height, peak, mask)
+            regions.append((peak, area, region))
+    regions.sort(key=lambda entry: (-entry[0], -entry[1]))
+    return tuple(region for _, _, region in regions)
+
+
+def peak_point(heatmap: Heatmap) -> Pixel:
+    """Return the centre of the hottest pixel: the arg-max of the paper, section Methods."""
+    v, u = np.unravel_index(int(heatmap.argmax()), heatmap.shape)
+    return float(u) + 0.5, float(v) + 0.5
+
+
+def interior_point(heatmap: Heatmap, region: Region) -> Pixel:
+    """Return the pixel of a region that is both hot and far from the region's edge.
+
+    It maximises heat times distance to the edge. The arg-max alone often lies at a rim, where a
+    hand that lands a centimetre off misses the object. The picture's border counts as an edge.
+    """
+    padded = np.pad(region.mask.astype(np.uint8), 1)
+    distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
+    heat = heatmap[region.top : region.bottom, region.left : region.right]
+    v, u = np.unravel_index(int(np.argmax(heat * distance)), distance.shape)
+    return float(region.left + u) + 0.5, float(region.top + v) + 0.5
+
+
+def thumbnail(heatmap: Heatmap, longest_side: int = 320) -> npt.NDArray[np.uint8]:
+    """Return the heatmap as bytes, 255 = certain, its longest side bounded [px]: for the bus."""
+    height, width = heatmap.shape
+    scale = min(1.0, longest_side / max(height, width))
+    size = (max(1, round(width * scale)), max(1, round(height * scale)))
+    small = cv2.resize(heatmap, size, interpolation=cv2.INTER_AREA)
+    return np.asarray(np.clip(np.rint(small * 255.0), 0, 255), dtype=np.uint8)

@@ -1,0 +1,1 @@
+"""Training of the embedded model, from pictures that `w2c scenes render` makes."""

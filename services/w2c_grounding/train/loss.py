@@ -1,0 +1,56 @@
+"""What training minimises."""
+
+import torch
+from torch.nn import functional
+
+HARDEST_SHARE = 0.002
+"""Of the pixels of a phrase: those that decide whether an absent thing is "found" """
+
+
+def mask_loss(logits: torch.Tensor, masks: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
+    """Return the loss of heatmaps against masks.
+
+    Three terms. Cross-entropy of each pixel. Dice, which does not care that a cup covers a
+    hundredth of the picture (Milletari et al., "V-Net", 2016, eq. 3, with squares). And the
+    cross-entropy of the hottest pixels outside the mask: the peak of a heatmap decides whether a
+    thing is found, and the mean over all pixels hardly notices a single hot one.
+
+    Args:
+        logits: (phrases, side, side).
+        masks: (phrases, side, side), 0 or 1; all 0 for a phrase that fits nothing.
+        weights: (phrases,), 0 leaves a phrase out.
+    """
+    logits, masks = logits.flatten(1), masks.flatten(1)
+    each = functional.binary_cross_entropy_with_logits(logits, masks, reduction="none")
+    probabilities = logits.sigmoid()
+    overlap = (probabilities * masks).sum(dim=1)
+    extent = (probabilities**2).sum(dim=1) + masks.sum(dim=1)
+    present = (masks.sum(dim=1) > 0).float()
+    dice = present * (1.0 - 2.0 * overlap / (extent + 1.0))
+    outside = each * (1.0 - masks)
+    count = max(1, round(HARDEST_SHARE * logits.shape[1]))
+    hardest = outside.topk(count, dim=1).values.mean(dim=1)
+    total = 4.0 * each.mean(dim=1) + dice + 0.25 * hardest
+    return (weights * total).sum() / weights.sum().clamp(min=1.0)
+
+
+def patch_targets(owners: torch.Tensor, classes: torch.Tensor, patch: int) -> torch.Tensor:
+    """Return the share of each class in each patch.
+
+    Args:
+        owners: (n, side, side) uint8, ids of objects.
+        classes: (n, 256, c) 0 or 1: which classes the object of an id belongs to.
+        patch: Side of a patch [px].
+
+    Returns:
+        (n, patches, c), 0 to 1.
+    """
+    # Every second row and column is enough for a share, at a quarter of the time.
+    sparse = owners[:, ::2, ::2].long()
+    count, side, _ = sparse.shape
+    cells, half = side // (patch // 2), patch // 2
+    by_patch = sparse.view(count, cells, half, cells, half).permute(0, 1, 3, 2, 4)
+    by_patch = by_patch.reshape(count, cells * cells, half * half)
+    histogram = torch.zeros(count, cells * cells, 256)
+    histogram.scatter_add_(2, by_patch, torch.ones(by_patch.shape))
+    return torch.bmm(histogram / (half * half), classes)

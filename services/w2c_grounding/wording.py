@@ -1,0 +1,59 @@
+"""Words of phrases: what is sent to a model, and which words it never saw."""
+
+import re
+from collections.abc import Iterable
+
+from w2c.errors import ConfigError, RefusedError
+
+_WORD = re.compile(r"[^\W_]+(?:['-][^\W_]+)*")
+
+FUNCTION_WORDS = frozenset(
+    {"a", "an", "the", "this", "that", "these", "those", "one", "some", "any", "and", "or"}
+    | {"of", "on", "in", "at", "to", "with", "my", "your", "its", "his", "her", "their"}
+)
+"""Words that name nothing: not knowing them is no loss worth a warning."""
+
+
+def words(text: str) -> list[str]:
+    """Return the words of a text in lower case, without punctuation."""
+    return _WORD.findall(text.lower())
+
+
+def normalised(phrase: str) -> str:
+    """Return a phrase as models read it: words in lower case, single spaces.
+
+    Raises:
+        RefusedError: the phrase holds no word.
+    """
+    found = words(phrase)
+    if not found:
+        raise RefusedError(
+            f"the phrase {phrase!r} holds no word; name an object, as in 'the red cup'"
+        )
+    return " ".join(found)
+
+
+def fill(template: str, phrase: str) -> str:
+    """Return the text for the model: the phrase in the template that the model was trained with."""
+    return template.replace("{}", phrase)
+
+
+def check_template(template: str) -> str:
+    """Return the template. Raises ConfigError where it has no place for the phrase."""
+    if template.count("{}") != 1:
+        raise ConfigError(
+            f"phrase template {template!r}: expected exactly one '{{}}', as in 'a photo of a {{}}'"
+        )
+    return template
+
+
+def unknown_words(phrase: str, vocabulary: Iterable[str] | None) -> list[str]:
+    """Return the words of a phrase that no training phrase contained, in their order, once each.
+
+    None for the vocabulary means that it is not known (a public checkpoint): nothing is called
+    unknown.
+    """
+    if vocabulary is None:
+        return []
+    known = FUNCTION_WORDS.union(vocabulary)
+    return list(dict.fromkeys(word for word in words(phrase) if word not in known))

@@ -1,0 +1,138 @@
+"""Heatmaps become answers."""
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from w2c_grounding.evidence import (
+    REGION_FRACTION,
+    find,
+    heatmap_from_logits,
+    interior_point,
+    peak_point,
+    regions_of,
+    thumbnail,
+)
+
+Heat = npt.NDArray[np.float32]
+
+heatmaps = arrays(
+    np.float32,
+    st.tuples(st.integers(2, 40), st.integers(2, 40)),
+    elements=st.floats(0.0, 1.0, width=32),
+)
+
+
+def disc(u: float, v: float, radius: float, height: int = 60, width: int = 100) -> Heat:
+    rows, columns = np.mgrid[0:height, 0:width]
+    inside = np.hypot(columns + 0.5 - u, rows + 0.5 - v) < radius
+    return np.where(inside, 0.9, 0.05).astype(np.float32)
+
+
+@settings(deadline=None)
+@given(heatmaps, st.floats(0.05, 0.95))
+def test_the_point_lies_in_the_best_region_whatever_the_heatmap(
+    heat: Heat, threshold: float
+) -> None:
+    finding = find(heat, threshold)
+    if not finding.found:
+        assert finding.score < threshold
+        return
+    assert finding.point is not None
+    u, v = finding.point
+    best = finding.regions[0]
+    assert best.left <= u < best.right
+    assert best.top <= v < best.bottom
+    assert best.mask[int(v) - best.top, int(u) - best.left]
+
+
+@settings(deadline=None)
+@given(heatmaps)
+def test_regions_cover_exactly_the_hot_pixels_and_boxes_are_tight(heat: Heat) -> None:
+    covered = np.zeros(heat.shape, dtype=bool)
+    # A threshold of nothing keeps every region.
+    for region in regions_of(heat, 0.0):
+        window = covered[region.top : region.bottom, region.left : region.right]
+        assert not (window & region.mask).any(), "regions overlap"
+        window |= region.mask
+        edges = region.mask[:, 0], region.mask[:, -1], region.mask[0], region.mask[-1]
+        assert all(edge.any() for edge in edges), "the box is larger than the region"
+    assert (covered == (heat >= REGION_FRACTION * heat.max())).all()
+
+
+@settings(deadline=None)
+@given(heatmaps)
+def test_the_best_region_comes_first_and_holds_the_peak(heat: Heat) -> None:
+    scores = [region.score for region in regions_of(heat, 0.0)]
+    assert scores == sorted(scores, reverse=True)
+    assert scores[0] == pytest.approx(float(heat.max()))
+
+
+@settings(deadline=None)
+@given(heatmaps)
+def test_the_peak_point_is_the_centre_of_the_hottest_pixel(heat: Heat) -> None:
+    u, v = peak_point(heat)
+    assert heat[int(v), int(u)] == heat.max()
+    assert (u % 1.0, v % 1.0) == (0.5, 0.5)
+
+
+def test_below_the_threshold_nothing_is_found_and_the_score_says_how_far() -> None:
+    finding = find(np.full((10, 10), 0.2, dtype=np.float32), 0.5)
+    assert not finding.found
+    assert finding.regions == ()
+    assert finding.point is None
+    assert finding.score == pytest.approx(0.2)
+
+
+def test_two_things_give_two_boxes_and_a_weak_one_is_left_out() -> None:
+    heat = np.maximum(disc(20, 30, 8), 0.9 * disc(70, 30, 8))
+    heat = np.maximum(heat, 0.55 * disc(50, 10, 4)).astype(np.float32)
+    regions = find(heat, 0.6).regions
+    assert [(r.left, r.top, r.right, r.bottom) for r in regions] == [
+        (12, 22, 28, 38),
+        (62, 22, 78, 38),
+    ]
+
+
+def test_the_interior_point_keeps_away_from_a_hot_rim() -> None:
+    heat = disc(50, 30, 20)
+    heat[30, 31] = 1.0  # the hottest pixel, at the rim
+    point = find(heat, 0.5, "interior").point
+    assert point is not None
+    assert np.hypot(point[0] - 50, point[1] - 30) < 3.0
+    assert find(heat, 0.5, "peak").point == (31.5, 30.5)
+
+
+def test_the_border_of_the_picture_counts_as_an_edge() -> None:
+    heat = np.zeros((40, 100), dtype=np.float32)
+    heat[:, :40] = 0.8
+    u, v = interior_point(heat, regions_of(heat, 0.5)[0])
+    assert (u, v) == pytest.approx((20, 20), abs=1.0)
+
+
+def test_the_point_prefers_the_hotter_part_of_a_region() -> None:
+    heat = np.full((21, 61), 0.55, dtype=np.float32)
+    heat[:, 40:] = 0.95
+    u, _ = interior_point(heat, regions_of(heat, 0.5)[0])
+    assert u > 40
+
+
+def test_logits_become_probabilities_over_the_whole_picture() -> None:
+    logits = np.array([[-100.0, 100.0], [0.0, 0.0]], dtype=np.float32)
+    heat = heatmap_from_logits(logits, width=8, height=4)
+    assert heat.shape == (4, 8)
+    assert heat.dtype == np.float32
+    assert heat[0, 0] == pytest.approx(0.0, abs=1e-6)
+    assert heat[0, 7] == pytest.approx(1.0, abs=1e-6)
+    assert heat[3] == pytest.approx(0.5)
+
+
+def test_the_thumbnail_keeps_the_shape_of_the_picture_and_bounds_its_size() -> None:
+    small = thumbnail(np.ones((720, 1280), dtype=np.float32))
+    assert small.shape == (180, 320)
+    assert small.dtype == np.uint8
+    assert (small == 255).all()
+    assert thumbnail(np.zeros((3, 5), dtype=np.float32)).shape == (3, 5)

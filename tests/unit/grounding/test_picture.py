@@ -1,0 +1,57 @@
+"""Pictures in and out."""
+
+import io
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from w2c.errors import RefusedError
+from w2c_grounding.picture import decode, encode_png
+
+
+def jpeg(width: int = 64, height: int = 48, mode: str = "RGB") -> bytes:
+    buffer = io.BytesIO()
+    noise = np.random.default_rng(0).integers(0, 255, (height, width, 3), dtype=np.uint8)
+    Image.fromarray(noise).convert(mode).save(buffer, format="JPEG")
+    return buffer.getvalue()
+
+
+def test_a_jpeg_becomes_an_array_indexed_by_row_then_column() -> None:
+    image = decode(jpeg(64, 48))
+    assert image.shape == (48, 64, 3)
+    assert image.dtype == np.uint8
+
+
+def test_a_grey_jpeg_becomes_three_channels() -> None:
+    assert decode(jpeg(mode="L")).shape == (48, 64, 3)
+
+
+def test_png_is_read_back_as_written() -> None:
+    image = np.random.default_rng(1).integers(0, 255, (5, 7, 3), dtype=np.uint8)
+    assert (decode(encode_png(image)) == image).all()
+
+
+@pytest.mark.parametrize("data", [b"", b"not a picture", b"\xff\xd8\xff\xe0 hardly one", b"GIF89a"])
+def test_bytes_that_are_no_picture_are_refused(data: bytes) -> None:
+    with pytest.raises(RefusedError, match="picture"):
+        decode(data)
+
+
+def test_a_cut_off_jpeg_is_refused_not_half_used() -> None:
+    whole = jpeg()
+    with pytest.raises(RefusedError, match="damaged"):
+        decode(whole[: len(whole) // 2])
+
+
+def test_a_small_file_that_claims_a_huge_picture_is_refused() -> None:
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        checksum = struct.pack(">I", zlib.crc32(kind + body))
+        return struct.pack(">I", len(body)) + kind + body + checksum
+
+    header = struct.pack(">IIBBBBB", 9000, 9000, 8, 2, 0, 0, 0)
+    bomb = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")
+    with pytest.raises(RefusedError, match="9000 x 9000"):
+        decode(bomb)

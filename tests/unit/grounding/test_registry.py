@@ -1,0 +1,78 @@
+"""Which model is loaded, and what is said when it cannot be."""
+
+from pathlib import Path
+
+import pytest
+
+from w2c.errors import ConfigError, ModelError
+from w2c_grounding.registry import CARD_FILE, ModelConfig, load, read_card, resolve
+
+
+def test_the_card_of_a_checkpoint_says_how_to_read_it(tiny_checkpoint: Path) -> None:
+    _, card = load(ModelConfig(model=str(tiny_checkpoint)))
+    assert card.name == "tiny"
+    assert card.threshold == 0.01
+    assert card.vocabulary == ["book", "cup", "red", "blue"]
+
+
+def test_the_configuration_overrides_the_card(tiny_checkpoint: Path) -> None:
+    config = ModelConfig(model=str(tiny_checkpoint), threshold=0.7, template="a {}")
+    _, card = load(config)
+    assert (card.threshold, card.template) == (0.7, "a {}")
+
+
+def test_a_checkpoint_without_a_card_gets_its_name_from_the_directory(tmp_path: Path) -> None:
+    card = read_card(tmp_path, tmp_path.name)
+    assert card.name == tmp_path.name
+    assert card.vocabulary is None
+
+
+@pytest.mark.parametrize("model", ["/nowhere/at/all", "./missing", "~/missing", "a/b/c"])
+def test_a_path_that_is_not_there_is_named(model: str) -> None:
+    with pytest.raises(ModelError, match="no checkpoint directory"):
+        resolve(ModelConfig(model=model))
+
+
+def test_a_hub_id_is_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    config = ModelConfig(model="CIDAS/clipseg-rd64-refined")
+    assert resolve(config) == ("CIDAS/clipseg-rd64-refined", None)
+
+
+def test_an_incomplete_directory_is_told_what_it_lacks(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text("{}")
+    with pytest.raises(ModelError, match=r"lacks model\.safetensors or .*tokenizer\.json"):
+        resolve(ModelConfig(model=str(tmp_path)))
+
+
+def test_a_hub_id_that_is_not_here_is_an_error_not_a_download(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ModelError, match="--allow-download"):
+        load(ModelConfig(model="nobody/has-this-model"))
+
+
+@pytest.mark.parametrize("text", ["{", '{"name": "x", "threshold": 2.0}', '{"nam": "x"}'])
+def test_a_malformed_card_is_an_error_with_its_path(tmp_path: Path, text: str) -> None:
+    (tmp_path / CARD_FILE).write_text(text)
+    with pytest.raises(ModelError, match=CARD_FILE):
+        read_card(tmp_path, "x")
+
+
+def test_an_unknown_family_is_told_the_known_ones() -> None:
+    with pytest.raises(ConfigError, match="known: clipseg"):
+        load(ModelConfig(family="oracle"))
+
+
+def test_a_device_that_is_not_here_is_a_configuration_error(tiny_checkpoint: Path) -> None:
+    with pytest.raises(ConfigError, match="try --device cpu"):
+        load(ModelConfig(model=str(tiny_checkpoint), device="cuda:63"))
+
+
+def test_damaged_weights_are_a_model_error(tiny_checkpoint: Path, tmp_path: Path) -> None:
+    for file in tiny_checkpoint.iterdir():
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    (tmp_path / "model.safetensors").write_bytes(b"not weights")
+    with pytest.raises(ModelError, match="cannot be loaded"):
+        load(ModelConfig(model=str(tmp_path)))

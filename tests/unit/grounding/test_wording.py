@@ -1,0 +1,43 @@
+"""Words of phrases."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from w2c.errors import ConfigError, RefusedError
+from w2c_grounding.wording import check_template, fill, normalised, unknown_words, words
+
+
+def test_a_phrase_is_read_in_lower_case_without_punctuation() -> None:
+    assert normalised("  The RED cup!! ") == "the red cup"
+
+
+def test_words_keep_apostrophes_and_hyphens_inside() -> None:
+    assert words("the robot's well-worn cup_2") == ["the", "robot's", "well-worn", "cup", "2"]
+
+
+@pytest.mark.parametrize("phrase", ["", "  ", "?!", "..."])
+def test_a_phrase_without_a_word_is_refused(phrase: str) -> None:
+    with pytest.raises(RefusedError, match="holds no word"):
+        normalised(phrase)
+
+
+@given(st.text())
+def test_normalising_twice_is_normalising_once(text: str) -> None:
+    if words(text):
+        assert normalised(normalised(text)) == normalised(text)
+
+
+def test_unknown_words_come_in_their_order_once_each() -> None:
+    assert unknown_words("the flurb book on a flurb zog", ["book"]) == ["flurb", "zog"]
+
+
+def test_without_a_vocabulary_no_word_is_called_unknown() -> None:
+    assert unknown_words("flurb", None) == []
+
+
+def test_a_template_has_one_place_for_the_phrase() -> None:
+    assert fill(check_template("a photo of a {}"), "cup") == "a photo of a cup"
+    for wrong in ("a photo", "{} and {}"):
+        with pytest.raises(ConfigError, match="exactly one"):
+            check_template(wrong)
