@@ -32,8 +32,8 @@ class Studio:
 
     def __init__(self, scene: Scene | None) -> None:
         self.model = build_model(scene)
-        self._data = mujoco.MjData(self.model)
-        self._renderer = Renderer(self.model, *_LARGEST_PICTURE)
+        self.data = mujoco.MjData(self.model)
+        self.renderer = Renderer(self.model, *_LARGEST_PICTURE)
 
     @property
     def intrinsics(self) -> Intrinsics:
@@ -51,17 +51,17 @@ class Studio:
                 f"the robot reports {generalized_position.size} coordinates, this camera's model "
                 f"has {self.model.nq}: start both with the same --scene"
             )
-        self._data.qpos[:] = generalized_position
-        mujoco.mj_kinematics(self.model, self._data)
-        mujoco.mj_comPos(self.model, self._data)
-        mujoco.mj_camlight(self.model, self._data)
+        self.data.qpos[:] = generalized_position
+        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_comPos(self.model, self.data)
+        mujoco.mj_camlight(self.model, self.data)
 
     def frame(
         self, stamp_ns: int, *, shadows: bool = False, antialiasing: bool = False
     ) -> CameraFrame:
         """Return what the head camera sees. Its own shell is not drawn: it would hide a third."""
-        image = self._renderer.draw(
-            self._data,
+        image = self.renderer.draw(
+            self.data,
             HEAD_CAMERA,
             size=CAMERA_SIZE,
             hidden_groups=(HEAD_SHELL_GROUP,),
@@ -82,8 +82,8 @@ class Studio:
 
     def picture(self, stamp_ns: int, request: PictureRequest) -> Picture:
         """Return a picture of the robot from outside, at its best."""
-        image = self._renderer.draw(
-            self._data,
+        image = self.renderer.draw(
+            self.data,
             request.view,
             size=(request.width, request.height),
             shadows=True,
@@ -93,7 +93,7 @@ class Studio:
 
     def close(self) -> None:
         """Free the graphics context. Idempotent."""
-        self._renderer.close()
+        self.renderer.close()
 
 
 def jpeg(rgb: npt.NDArray[np.uint8]) -> bytes:

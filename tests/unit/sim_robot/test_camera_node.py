@@ -1,0 +1,157 @@
+"""The camera on the bus: it draws what the robot reports, at its rate, and on demand."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from support.waiting import wait_until
+from w2c import topics
+from w2c.bus.inprocess import InProcessBus, InProcessHub
+from w2c.clock import RealClock
+from w2c.errors import ConfigError, RefusedError
+from w2c.messages import Array, CaptureRequest, PictureRequest, Truth
+from w2c_sim_robot.camera.config import CameraConfig
+from w2c_sim_robot.camera.node import CameraNode
+from w2c_sim_robot.model import build_model, ready_configuration
+from w2c_sim_robot.scenes.scenario_a import scenario_a
+from w2c_sim_robot.scenes.scene import save
+
+
+def truth(stamp_ns: int, position: Array) -> Truth:
+    """Return what the simulator reports."""
+    return Truth(
+        stamp_ns=stamp_ns,
+        tick=stamp_ns // 2_000_000,
+        generalized_position=position,
+        world_from_base=np.array([0, 0, 1, 0, 0, 0, 1.0]),
+        end_effector_positions=np.zeros((4, 3)),
+        contact_forces=np.zeros((4, 3)),
+        fell=False,
+    )
+
+
+@dataclass
+class Rig:
+    """A camera that runs, and the buses of those who talk to it."""
+
+    camera: InProcessBus
+    robot: InProcessBus
+    operator: InProcessBus
+    position: Array
+    """(nq,) of the robot standing ready in the camera's scene"""
+
+
+@contextmanager
+def running(config: CameraConfig, bus: InProcessBus) -> Iterator[None]:
+    """Run a camera; its loop, like OpenGL, lives on one thread."""
+    stop, ready = threading.Event(), threading.Event()
+
+    def live() -> None:
+        node = CameraNode(config, bus, RealClock())
+        try:
+            node.configure()
+            ready.set()
+            node.run(stop)
+        finally:
+            node.close()
+
+    thread = threading.Thread(target=live)
+    thread.start()
+    try:
+        assert ready.wait(60.0)
+        yield
+    finally:
+        stop.set()
+        thread.join(20.0)
+    assert not thread.is_alive()
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
+    """Yield a running camera of scenario (a)."""
+    path = tmp_path_factory.mktemp("scene") / "scene.json"
+    scene = scenario_a()
+    save(scene, path)
+    hub = InProcessHub()
+    bus = hub.connect("camera")
+    with running(CameraConfig(robot="test", scene=str(path), rate=30.0), bus):
+        position = ready_configuration(build_model(scene))
+        yield Rig(bus, hub.connect("robot"), hub.connect("operator"), position)
+
+
+def test_before_the_robot_speaks_a_capture_is_refused_with_the_reason() -> None:
+    hub = InProcessHub()
+
+    with (
+        running(CameraConfig(robot="test"), hub.connect("camera")),
+        pytest.raises(RefusedError, match="start `w2c robot`"),
+    ):
+        hub.connect("operator").call(topics.CAPTURE, CaptureRequest())
+
+
+def test_a_frame_carries_the_stamp_of_the_truth_it_drew(rig: Rig) -> None:
+    frames = rig.operator.queue(topics.CAMERA_FRAME)
+    sent = rig.robot.publish(topics.TRUTH, truth(4_000_000, rig.position))
+
+    received = frames.receive(20.0)
+
+    assert received is not None
+    assert received.message.stamp_ns == 4_000_000
+    assert (received.message.width, received.message.height) == (1280, 720)
+    assert received.message.frame == "rgbd_rgb_optical_frame"
+    assert [made_of.sequence for made_of in received.envelope.inputs] == [sent.sequence]
+    image = cv2.imdecode(np.frombuffer(received.message.jpeg, np.uint8), 1)
+    assert image.shape == (720, 1280, 3)
+    # The same truth is not drawn twice.
+    assert frames.receive(0.1) is None
+
+
+def test_a_capture_is_drawn_on_demand_and_goes_on_the_stream(rig: Rig) -> None:
+    frames = rig.operator.queue(topics.CAMERA_FRAME)
+    rig.robot.publish(topics.TRUTH, truth(6_000_000, rig.position))
+    assert frames.receive(20.0) is not None
+
+    captured = rig.operator.call(topics.CAPTURE, CaptureRequest(shadows=True)).message
+
+    assert captured.stamp_ns == 6_000_000
+    streamed = frames.receive(5.0)
+    assert streamed is not None
+    assert streamed.message.jpeg == captured.jpeg
+
+
+def test_a_picture_from_outside_has_the_size_that_was_asked_for(rig: Rig) -> None:
+    rig.robot.publish(topics.TRUTH, truth(8_000_000, rig.position))
+
+    picture = rig.operator.call(
+        topics.PICTURE, PictureRequest(view="side", width=160, height=120)
+    ).message
+
+    assert cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), 1).shape == (120, 160, 3)
+
+
+def test_a_robot_with_another_scene_is_counted_not_drawn(rig: Rig) -> None:
+    frames = rig.operator.queue(topics.CAMERA_FRAME)
+    before = rig.camera.counters.get("truth of another model", 0)
+
+    rig.robot.publish(topics.TRUTH, truth(10_000_000, np.zeros(3)))
+    wait_until(lambda: rig.camera.counters.get("truth of another model", 0) > before)
+
+    assert frames.receive(0.05) is None
+    with pytest.raises(RefusedError, match="same --scene"):
+        rig.operator.call(topics.CAPTURE, CaptureRequest())
+    rig.robot.publish(topics.TRUTH, truth(12_000_000, rig.position))
+    assert frames.receive(20.0) is not None
+
+
+def test_a_missing_scene_file_stops_the_camera_before_it_starts(tmp_path: Path) -> None:
+    bus = InProcessHub().connect("camera")
+    config = CameraConfig(robot="test", scene=str(tmp_path / "gone.json"))
+
+    with pytest.raises(ConfigError, match="no scene file"):
+        CameraNode(config, bus, RealClock()).configure()
