@@ -49,6 +49,11 @@ def subjects() -> dict[str, tuple[str, ...]]:
     return {"robot": BEHIND_THE_ROBOT, **{name: (name,) for name in others}}
 
 
+def all_keys(robot: str) -> str:
+    """Return the key expression of everything about one robot."""
+    return f"w2c/{topics.VERSION}/{robot}/**"
+
+
 def permissions_of(processes: Iterable[str], robot: str) -> Permissions:
     """Return what the registry lets some processes do together."""
     granted = Permissions()
@@ -65,7 +70,7 @@ def permissions_of(processes: Iterable[str], robot: str) -> Permissions:
                 granted.serve.add(method.key(robot))
         granted.live.add(topics.liveliness_key(robot, process))
         if process == "recorder":
-            granted.read.add(f"w2c/{topics.VERSION}/{robot}/**")
+            granted.read.add(all_keys(robot))
     return granted
 
 
@@ -111,8 +116,8 @@ def _rules_of(name: str, granted: Permissions, robot: str) -> list[Json]:
         _rule(f"{name} writes", ("put", "delete"), ("ingress",), granted.write),
         _rule(f"{name} subscribes", ("declare_subscriber",), ("ingress",), granted.read),
         _rule(f"{name} receives", ("put", "delete"), ("egress",), granted.read),
-        # The router passes the interest of others on, or a sender would not know of its readers.
-        _rule(f"{name} is read", ("declare_subscriber",), ("egress",), granted.write),
+        # A sender must hear of its readers, or it sends nothing; the recorder's interest is in all.
+        _rule(f"{name} is read", ("declare_subscriber",), ("egress",), {all_keys(robot)}),
         _rule(f"{name} calls", ("query",), ("ingress",), granted.call),
         _rule(f"{name} is answered", ("reply", "declare_queryable"), ("egress",), granted.call),
         _rule(f"{name} serves", ("declare_queryable", "reply"), ("ingress",), granted.serve),
