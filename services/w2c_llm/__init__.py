@@ -1,5 +1,5 @@
-"""Constrained completion for anyone who asks: chat and JSON schema, or chat and options, to an answer.
+"""Constrained completion for anyone: a chat and a JSON schema, or options, to a checked answer.
 
-`node.py` is bus in, bus out; `engine.py` owns the model's thread; `answering.py` checks what models say;
-`llama_cpp_backend.py` and `openai_backend.py` are the models. Nothing here knows of robots or contacts.
+`node.py` is bus in, bus out; `engine.py` owns the model's thread; `answering.py` checks what models
+say; `llama_cpp_backend.py` and `openai_backend.py` are the models. Nothing here knows of robots.
 """

@@ -1,4 +1,4 @@
-"""From a request to a checked answer: constrain, parse, validate, repair once, give up with a reason."""
+"""From a request to a checked answer: parse, validate, repair once, give up with a reason."""
 
 import json
 import math
@@ -8,7 +8,8 @@ from typing import Any
 from w2c.errors import ModelError, RefusedError
 from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest
 from w2c_llm.backend import Backend, Budget, Generation, JsonSchema, Sampling, Usage
-from w2c_llm.schema import check_schema, violation
+from w2c_llm.schema import check_schema
+from w2c_llm.values import violation
 
 _MAX_ANSWER_CHARACTERS = 20_000
 
@@ -42,9 +43,7 @@ def complete(backend: Backend, request: CompleteRequest, budget: Budget) -> Comp
     check_chat(request.messages, request.constant_messages)
     schema = check_schema(request.schema)
     sampling = Sampling(request.temperature, request.seed, request.max_tokens)
-    first = backend.generate(
-        request.messages, schema, sampling, request.constant_messages, budget
-    )
+    first = backend.generate(request.messages, schema, sampling, request.constant_messages, budget)
     value, reason = read_answer(first, schema)
     if reason is None:
         return Completion(first.text, value, first.usage)
@@ -83,7 +82,9 @@ def _refuse_constant(name: str) -> float:
 
 def _repair_chat(messages: list[ChatMessage], text: str, reason: str) -> list[ChatMessage]:
     """Return the chat that shows the model its answer and what is wrong with it."""
-    complaint = f"That answer does not fit: {reason[:500]}. Answer again, with the JSON object only."
+    complaint = (
+        f"That answer does not fit: {reason[:500]}. Answer again, with the JSON object only."
+    )
     return [
         *messages,
         ChatMessage(role="assistant", content=text[:2000] or "(nothing)"),
@@ -92,7 +93,7 @@ def _repair_chat(messages: list[ChatMessage], text: str, reason: str) -> list[Ch
 
 
 def choose(backend: Backend, request: ChooseRequest, budget: Budget) -> Choice:
-    """Return the option with the highest posterior: likelihood times prior, normalised over the options.
+    """Return the option of highest posterior: likelihood times prior, normalised over the options.
 
     Raises:
         RefusedError: the options repeat, or a prior is unknown or not finite.

@@ -72,7 +72,7 @@ class Generation:
 
 @dataclass(frozen=True)
 class Scores:
-    """Log-likelihood of each option, in the order of the request; of the option as the whole answer."""
+    """Log-likelihood of each option, as the whole answer, in the order of the request."""
 
     log_likelihoods: list[float]
     usage: Usage
@@ -130,7 +130,7 @@ class Backend(Protocol):
         """Continue a chat with JSON of a schema.
 
         Raises:
-            RefusedError: the request cannot be served by this model (too long, schema not supported).
+            RefusedError: this model cannot serve the request (too long, schema not supported).
             DeadlineError: the budget is spent.
             ModelError: the model failed.
         """

@@ -1,4 +1,4 @@
-"""Chats to prompts, with the template that came with the model, and no way for a text to leave its turn."""
+"""Chats to prompts, by the model's own template; no text of a message can leave its turn."""
 
 import json
 import re
@@ -23,7 +23,13 @@ class ChatTemplate:
     """Renders chats for one model."""
 
     def __init__(
-        self, template: str, begin: str, end: str, control_texts: Iterable[str], *, thinking: bool = False
+        self,
+        template: str,
+        begin: str,
+        end: str,
+        control_texts: Iterable[str],
+        *,
+        thinking: bool = False,
     ) -> None:
         """Compile a template.
 
@@ -64,14 +70,17 @@ class ChatTemplate:
             found = self._control.search(message.content)
             if found:
                 raise RefusedError(
-                    f"a message of the {message.role} holds '{found.group()}', a control token of the model; "
+                    f"a message of the {message.role} holds '{found.group()}', "
+                    "a control token of the model; "
                     "leave it out"
                 )
         try:
             chat = messages if self.system_role else merge_system(messages)
             return self._render(chat, answer_follows)
         except jinja2.TemplateError as error:
-            raise RefusedError(f"the chat template of the model refuses this chat: {error}") from error
+            raise RefusedError(
+                f"the chat template of the model refuses this chat: {error}"
+            ) from error
 
     def _render(self, messages: Sequence[ChatMessage], answer_follows: bool) -> str:
         turns = [{"role": message.role, "content": message.content} for message in messages]
@@ -88,7 +97,7 @@ class ChatTemplate:
 
 
 def merge_system(messages: Sequence[ChatMessage]) -> list[ChatMessage]:
-    """Return the chat with each system message put in front of the user's message that follows it."""
+    """Return the chat with each system message put in front of the user's that follows."""
     merged: list[ChatMessage] = []
     pending: list[str] = []
     for message in messages:

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
+
 from w2c.config import ServiceConfig
 
 EMBEDDED_MODEL = Path(__file__).parent / "embedded" / "w2c-language.gguf"
@@ -29,12 +30,12 @@ class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     openai_url: str = "https://api.openai.com/v1"
     """Base address of the server."""
     openai_key_file: str = ""
-    """File with the key; empty: the environment variable OPENAI_API_KEY; none is sent where both are empty."""
+    """File with the key; empty: the environment variable OPENAI_API_KEY; else none is sent."""
     openai_schema: Literal["json_schema", "json_object", "none"] = "json_schema"
     """How the server is asked for JSON: with the schema, only for some JSON, or in words alone."""
     openai_sampling: bool = True
     """Send temperature and seed; off for models that refuse them."""
-    openai_token_limit: Literal["max_tokens", "max_completion_tokens"] = "max_tokens"
+    openai_token_limit: Literal["max_tokens", "max_completion_tokens"] = "max_tokens"  # noqa: S105
     """Name of the limit in the server's interface."""
     openai_logprobs: bool = False
     """The server returns the likelihood of the first tokens: choices get real probabilities."""

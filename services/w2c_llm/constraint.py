@@ -1,14 +1,16 @@
 """Which tokens may come next: llguidance masks over the vocabulary of a GGUF model.
 
-llama.cpp's own grammars are not used: an invalid one ends the process, and checking the whole vocabulary against
-one takes a hundred times longer.
+llama.cpp's own grammars are not used: an invalid one ends the process, and checking the whole
+vocabulary against one takes a hundred times longer.
 """
 
+import ctypes
 import json
 from collections import OrderedDict
+from typing import Any
 
+import llama_cpp
 import llguidance
-import llguidance.llamacpp
 import numpy as np
 import numpy.typing as npt
 
@@ -16,7 +18,7 @@ from w2c.errors import ModelError, RefusedError
 from w2c_llm.backend import JsonSchema
 from w2c_llm.llama_model import LlamaModel
 
-_COMPACT = {"whitespace_flexible": False}
+_COMPACT: Any = {"whitespace_flexible": False}  # the type of the options has no public name
 """One way to write each value: fewer tokens, and the form that the embedded model was trained on"""
 _KEPT_SCHEMAS = 64
 
@@ -67,10 +69,7 @@ class ConstraintCompiler:
 
     def __init__(self, model: LlamaModel) -> None:
         self._size = model.vocabulary_size
-        ends = [token for token in range(self._size) if model.is_end(token)]
-        self._tokenizer = llguidance.llamacpp.lltokenizer_from_vocab(
-            model.vocabulary, eos_token=ends or None
-        )
+        self._tokenizer = _tokenizer(model)
         self._compiled: OrderedDict[str, llguidance.LLMatcher] = OrderedDict()
 
     def start(self, schema: JsonSchema) -> Constraint:
@@ -96,3 +95,27 @@ class ConstraintCompiler:
         if matcher.is_error():
             raise RefusedError(f"schema: {matcher.get_error():.500}")
         return matcher
+
+
+def _tokenizer(model: LlamaModel) -> llguidance.LLTokenizer:
+    """Return llguidance's view of a vocabulary. Takes a second for 150,000 tokens.
+
+    (`llguidance.llamacpp` has a helper for it, which calls functions that llama-cpp-python
+    deprecates.)
+    """
+    pieces = [
+        # The byte 0xff marks what no text can spell.
+        (b"\xff" if model.is_control(token) else b"") + model.piece(token, special=True)
+        for token in range(model.vocabulary_size)
+    ]
+    ends = [token for token in range(model.vocabulary_size) if model.is_end(token)]
+    tokenize = llama_cpp.llama_cpp._lib.llama_tokenize  # no public name for the bare C function
+    tokenizer: Any = llguidance.LLTokenizer  # its stub lacks this constructor
+    made: llguidance.LLTokenizer = tokenizer.from_llamacpp(
+        tokens=pieces,
+        vocab_ptr=model.vocabulary,
+        tokenize_fptr=ctypes.cast(tokenize, ctypes.c_void_p).value,
+        eos_token=ends or [model.end_of_turn],
+        slices=None,
+    )
+    return made

@@ -1,7 +1,7 @@
 """One thread owns a model; others hand it work through a bounded queue and wait with a deadline.
 
-llama.cpp aborts the process when two threads use one context, so the rule is structural: the backend is made,
-used and closed on the owner thread, and nobody else has a reference to it.
+llama.cpp aborts the process when two threads use one context, so the rule is structural: the
+backend is made, used and closed on the owner thread, and nobody else has a reference to it.
 """
 
 import queue
@@ -92,10 +92,12 @@ class Engine:
         job = _Job(work, Budget(self._clock, timeout_s), Future(), time.monotonic())
         with self._lock:
             if self._closed or not self._threads:
-                raise UnavailableError("the language model is not running; is the llm service ready?")
+                raise UnavailableError(
+                    "the language model is not running; is the llm service ready?"
+                )
             if self._waiting >= self._capacity:
                 raise UnavailableError(
-                    f"{self._waiting} requests wait for the language model, limit {self._capacity}; "
+                    f"{self._waiting} requests wait for the model, limit {self._capacity}; "
                     "try again later, or start another replica"
                 )
             self._waiting += 1
@@ -107,7 +109,9 @@ class Engine:
             job.budget.cancel(late)
             raise late from None
         except CancelledError:
-            raise UnavailableError("the language model was stopped before the request ran") from None
+            raise UnavailableError(
+                "the language model was stopped before the request ran"
+            ) from None
 
     def close(self) -> None:
         """Cancel what runs and waits, close the model. Idempotent."""

@@ -31,7 +31,8 @@ class LlamaCppBackend:
 
         Args:
             path: A GGUF file with a chat template.
-            context: Cells of the key-value cache [tokens], shared by the request and the kept prefixes.
+            context: Cells of the key-value cache [tokens], shared by the request and the kept
+                prefixes.
             threads: For evaluation.
             gpu_layers: Layers on the GPU; -1 = all.
 
@@ -91,7 +92,7 @@ class LlamaCppBackend:
         constant_messages: int,
         budget: Budget,
     ) -> Generation:
-        """Continue a chat with compact JSON of a schema; properties come in the schema's order."""
+        """Continue a chat with compact JSON of a schema; properties in the order of the schema."""
         constraint = self._compiler.start(schema)
         tokens, prefix = self._prompt(messages, constant_messages)
         room = min(sampling.max_tokens, self._limit - len(tokens))
@@ -143,7 +144,10 @@ class LlamaCppBackend:
         constant_messages: int,
         budget: Budget,
     ) -> Scores:
-        """Return log P(option, end of turn | chat): exact, so that "left" is not favoured over "left hand"."""
+        """Return log P(option, end of turn | chat), exactly.
+
+        The end counts: without it "left" would always be as likely as "left hand", or more.
+        """
         tokens, prefix = self._prompt(messages, constant_messages)
         end = self._model.end_of_turn
         coded = [[*self._model.tokenize(option, special=False), end] for option in options]
@@ -162,13 +166,14 @@ class LlamaCppBackend:
     ) -> tuple[list[int], int]:
         """Return the tokens of a chat, and how many of them its constant messages give.
 
-        The chat is tokenised whole, so that reuse never changes a token: the prefix is what both tokenisations
-        share.
+        The chat is tokenised whole, so that reuse never changes a token: the prefix is what both
+        tokenisations share.
         """
         tokens = self._model.tokenize(self._template.render(messages), special=True)
         if len(tokens) + _LEAST_ANSWER > self._limit:
             raise RefusedError(
-                f"the prompt has {len(tokens)} tokens, the model takes {self._limit - _LEAST_ANSWER}; "
+                f"the prompt has {len(tokens)} tokens, "
+                f"the model takes {self._limit - _LEAST_ANSWER}; "
                 "shorten the messages or use a model with a longer context"
             )
         if constant_messages == 0:
@@ -187,7 +192,7 @@ class LlamaCppBackend:
 def pick(
     logits: Logits, allowed: np.ndarray, temperature: float, random: np.random.Generator
 ) -> int:
-    """Return a token: the most likely allowed one at temperature 0, else a sample of the softmax."""
+    """Return the most likely allowed token at temperature 0, else a sample of the softmax."""
     masked = np.where(allowed, logits, -np.inf)
     if temperature <= 0.0:
         return int(masked.argmax())

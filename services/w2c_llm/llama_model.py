@@ -1,7 +1,7 @@
 """A GGUF file in memory: weights, vocabulary and metadata, through llama.cpp's own interface.
 
-The high-level `llama_cpp.Llama` is not used: it keeps one sequence a context, copies whole score arrays, and lets
-an invalid grammar end the process.
+The high-level `llama_cpp.Llama` is not used: it keeps one sequence a context, copies whole score
+arrays, and lets an invalid grammar end the process.
 """
 
 import ctypes
@@ -75,7 +75,7 @@ class LlamaModel:
         return None if template is None else template.decode("utf-8", "replace")
 
     def tokenize(self, text: str, *, special: bool) -> list[int]:
-        """Return the tokens of a text; `special` lets control tokens such as <|end|> be control tokens.
+        """Return the tokens of a text; `special` reads <|end|> and its like as control tokens.
 
         No token is added at the ends: the chat template writes what the model wants there.
         """
@@ -91,7 +91,9 @@ class LlamaModel:
 
     def detokenize(self, tokens: Sequence[int]) -> str:
         """Return the text of tokens; control tokens have none."""
-        return b"".join(self.piece(token, special=False) for token in tokens).decode("utf-8", "replace")
+        return b"".join(self.piece(token, special=False) for token in tokens).decode(
+            "utf-8", "replace"
+        )
 
     def piece(self, token: int, *, special: bool) -> bytes:
         """Return the bytes of one token."""
@@ -101,6 +103,16 @@ class LlamaModel:
         if length < 0:
             raise ModelError(f"token {token} is longer than {_PIECE_BYTES} bytes")
         return bytes(self._piece.raw[:length])
+
+    def is_control(self, token: int) -> bool:
+        """Return whether a token is a mark, such as <|end|>, and not a piece of text."""
+        attributes = llama_cpp.llama_vocab_get_attr(self.vocabulary, token)
+        if attributes & llama_cpp.LLAMA_TOKEN_ATTR_CONTROL:
+            return True
+        # Some files declare their marks as user-defined.
+        text = self.piece(token, special=True)
+        user_defined = bool(attributes & llama_cpp.LLAMA_TOKEN_ATTR_USER_DEFINED)
+        return user_defined and text.startswith(b"<") and text.endswith(b">")
 
     def is_end(self, token: int) -> bool:
         """Return whether a token ends the model's turn."""
@@ -124,9 +136,8 @@ class LlamaModel:
     @functools.cached_property
     def control_texts(self) -> frozenset[str]:
         """How control tokens are written: what a stranger's text must not hold."""
-        control = llama_cpp.LLAMA_TOKEN_ATTR_CONTROL
         return frozenset(
             self.token_text(token)
             for token in range(self.vocabulary_size)
-            if llama_cpp.llama_vocab_get_attr(self.vocabulary, token) & control
+            if self.is_control(token)
         ) - {""}

@@ -37,7 +37,8 @@ class LlmNode:
     def configure(self) -> None:
         """Load and warm up the model, then serve."""
         self._engine.start()
-        # Handlers only wait for the engine: enough of them to fill its queue, which is what bounds the load.
+        # Handlers only wait for the engine: enough of them to fill its queue, which is what bounds
+        # the load.
         workers = self._config.queue + 1
         self._bus.serve(topics.COMPLETE, self.complete, workers=workers)
         self._bus.serve(topics.CHOOSE, self.choose, workers=workers)

@@ -16,6 +16,7 @@ import msgspec
 from w2c.errors import DeadlineError, ModelError, RefusedError
 from w2c.messages import ChatMessage
 from w2c_llm.backend import Budget, Capabilities, Generation, JsonSchema, Sampling, Scores, Usage
+from w2c_llm.openai_wire import Reply, ReplyChoice, TokenCounts, extract_json
 
 _LOG = logging.getLogger("w2c.llm.openai")
 _ATTEMPTS = 4
@@ -24,60 +25,20 @@ _LONGEST_PAUSE_S = 8.0
 _RETRIED = {408, 409, 425, 429, 500, 502, 503, 504}
 _MAX_REPLY_BYTES = 4_000_000
 _IMPOSSIBLE = -30.0
-"""Log-likelihood of an option that is not among the most likely tokens which the server lists"""
+"""Log-likelihood of an option that is not among the likely tokens which the server lists"""
 
 
 @dataclass(frozen=True)
 class OpenAiOptions:
-    """What to ask whom, and what the server understands: flags, because names of models tell nothing."""
+    """What to ask whom, and what the server understands: a model's name does not tell."""
 
     url: str
     model: str
     schema_mode: Literal["json_schema", "json_object", "none"] = "json_schema"
     sampling: bool = True
-    token_limit: Literal["max_tokens", "max_completion_tokens"] = "max_tokens"
+    token_limit: Literal["max_tokens", "max_completion_tokens"] = "max_tokens"  # noqa: S105
     logprobs: bool = False
     concurrency: int = 4
-
-
-class _Content(msgspec.Struct):
-    content: str | None = None
-
-
-class _TopToken(msgspec.Struct):
-    token: str
-    logprob: float
-
-
-class _Position(msgspec.Struct):
-    top_logprobs: list[_TopToken] = []
-
-
-class _Logprobs(msgspec.Struct):
-    content: list[_Position] | None = None
-
-
-class _ReplyChoice(msgspec.Struct):
-    message: _Content
-    finish_reason: str | None = None
-    logprobs: _Logprobs | None = None
-
-
-class _Cached(msgspec.Struct):
-    cached_tokens: int | None = 0
-
-
-class _Usage(msgspec.Struct):
-    prompt_tokens: int = 0
-    completion_tokens: int = 0
-    prompt_tokens_details: _Cached | None = None
-
-
-class _Reply(msgspec.Struct):
-    """The fields of a chat completion that are used; the rest is ignored."""
-
-    choices: list[_ReplyChoice]
-    usage: _Usage | None = None
 
 
 class OpenAiBackend:
@@ -135,7 +96,7 @@ class OpenAiBackend:
         constant_messages: int,  # noqa: ARG002 - servers find common prefixes themselves
         budget: Budget,
     ) -> Generation:
-        """Ask for JSON of a schema. Prose around the JSON is cut off; the caller validates the rest."""
+        """Ask for JSON of a schema. Prose around it is cut off; the caller validates the rest."""
         instruction = (
             "Answer with one JSON value and nothing else, in this JSON schema: "
             + json.dumps(schema, ensure_ascii=False)
@@ -163,11 +124,14 @@ class OpenAiBackend:
     ) -> Scores:
         """Ask which option fits, by its letter.
 
-        With logprobs the likelihood of each letter is the server's. Without, the option that the model names has
-        likelihood 1 and the others e^-30: a prior then only decides against overwhelming odds.
+        With logprobs the likelihood of each letter is the server's. Without, the option that the
+        model names has likelihood 1 and the others e^-30: a prior then only decides against
+        overwhelming odds.
         """
         letters = [chr(ord("A") + index) for index in range(26)] + list("123456")
-        listed = "\n".join(f"{letter}: {option}" for letter, option in zip(letters, options, strict=False))
+        listed = "\n".join(
+            f"{letter}: {option}" for letter, option in zip(letters, options, strict=False)
+        )
         chat = [_as_dict(message) for message in messages]
         chat[-1]["content"] += (
             f"\n\nWhich of these is the answer?\n{listed}\nReply with its letter or number only."
@@ -182,7 +146,7 @@ class OpenAiBackend:
         found = self._likelihoods(reply.choices[0], letters[: len(options)])
         return Scores(found, _usage(reply, time.monotonic() - started))
 
-    def _likelihoods(self, choice: _ReplyChoice, letters: Sequence[str]) -> list[float]:
+    def _likelihoods(self, choice: ReplyChoice, letters: Sequence[str]) -> list[float]:
         if self._options.logprobs and choice.logprobs and choice.logprobs.content:
             masses = dict.fromkeys(letters, math.exp(_IMPOSSIBLE))
             for candidate in choice.logprobs.content[0].top_logprobs:
@@ -204,7 +168,7 @@ class OpenAiBackend:
         named = {"name": "answer", "schema": schema, "strict": True}
         return {"response_format": {"type": "json_schema", "json_schema": named}}
 
-    def _post(self, body: dict[str, Any], budget: Budget) -> _Reply:
+    def _post(self, body: dict[str, Any], budget: Budget) -> Reply:
         """Send a request, again after a pause where that may help.
 
         Raises:
@@ -216,7 +180,9 @@ class OpenAiBackend:
         for attempt in range(_ATTEMPTS):
             budget.check()
             if attempt:
-                wait = min(_FIRST_PAUSE_S * 2 ** (attempt - 1), _LONGEST_PAUSE_S, budget.remaining_s())
+                wait = min(
+                    _FIRST_PAUSE_S * 2 ** (attempt - 1), _LONGEST_PAUSE_S, budget.remaining_s()
+                )
                 _LOG.warning("server asked again", extra={"reason": reason, "pause_s": wait})
                 self._pause(wait)
                 budget.check()
@@ -240,21 +206,25 @@ class OpenAiBackend:
             f"{self._options.url} failed {_ATTEMPTS} times, last: {reason}; is the server up?"
         )
 
-    def _read(self, response: httpx.Response) -> _Reply:
+    def _read(self, response: httpx.Response) -> Reply:
         if response.status_code in (401, 403):
             raise ModelError(
-                f"{self._options.url} refuses the key (status {response.status_code}); check --openai-key-file"
+                f"{self._options.url} refuses the key (status {response.status_code}); "
+                "check --openai-key-file"
             )
         if response.status_code != 200:
-            # The body may repeat the request's headers: it is not quoted beyond the server's own message.
+            # The body may repeat the request's headers: it is not quoted beyond the server's own
+            # message.
             raise RefusedError(
                 f"{self._options.url} refuses the request (status {response.status_code}); "
                 "check --model, --openai-url, --openai-schema and --openai-sampling"
             )
         if len(response.content) > _MAX_REPLY_BYTES:
-            raise ModelError(f"the server sent {len(response.content)} bytes, limit {_MAX_REPLY_BYTES}")
+            raise ModelError(
+                f"the server sent {len(response.content)} bytes, limit {_MAX_REPLY_BYTES}"
+            )
         try:
-            reply = msgspec.json.decode(response.content, type=_Reply)
+            reply = msgspec.json.decode(response.content, type=Reply)
         except msgspec.MsgspecError as error:
             raise ModelError(f"{self._options.url} sent no chat completion: {error}") from error
         if not reply.choices:
@@ -270,9 +240,9 @@ def _as_dict(message: ChatMessage) -> dict[str, str]:
     return {"role": message.role, "content": message.content}
 
 
-def _usage(reply: _Reply, seconds: float) -> Usage:
+def _usage(reply: Reply, seconds: float) -> Usage:
     """Return the cost; a server does not tell prefill from decoding."""
-    usage = reply.usage or _Usage()
+    usage = reply.usage or TokenCounts()
     details = usage.prompt_tokens_details
     return Usage(
         prompt_tokens=usage.prompt_tokens,
@@ -280,15 +250,3 @@ def _usage(reply: _Reply, seconds: float) -> Usage:
         completion_tokens=usage.completion_tokens,
         decode_ms=1e3 * seconds,
     )
-
-
-def extract_json(text: str) -> str:
-    """Return the first JSON object or array in a text; the text itself where there is none."""
-    decoder = json.JSONDecoder()
-    for match in re.finditer(r"[{\[]", text):
-        try:
-            _, end = decoder.raw_decode(text, match.start())
-        except (ValueError, RecursionError):
-            continue
-        return text[match.start() : end]
-    return text.strip()

@@ -1,9 +1,8 @@
-"""The part of JSON schema that a language model may be asked for: closed, bounded, not recursive.
+"""The part of JSON schema that a model may be asked for: closed, bounded, not recursive.
 
-Two uses: refuse a schema before it reaches a grammar compiler, and check a value whatever produced it.
+What passes here is safe to give to a grammar compiler, and has answers of bounded length only.
 """
 
-import json
 import math
 import re
 from collections.abc import Callable
@@ -34,7 +33,7 @@ def check_schema(schema: Schema) -> Schema:
     """Return an equivalent schema without references, each object closed.
 
     Raises:
-        RefusedError: it is not a schema, or uses what is not supported, or allows an answer of any length.
+        RefusedError: it is no schema, uses what is not supported, or allows answers of any length.
     """
     definitions = schema.get("$defs", {})
     if not isinstance(definitions, dict):
@@ -73,13 +72,12 @@ class _Checker:
         unknown = sorted(set(node) - _KEYWORDS[kind] - _COMMON)
         if unknown:
             raise _refuse(path, f"{', '.join(unknown)} is not supported for {kind}")
-        if kind == "object":
-            return self._object(node, path, depth)
-        if kind == "array":
-            return self._array(node, path, depth)
-        if kind == "string":
-            return _checked_string(node, path)
-        return _checked_number(node, kind, path)
+        checkers: dict[str, Callable[[Schema, str, int], Schema]] = {
+            "object": self._object,
+            "array": self._array,
+            "string": _checked_string,
+        }
+        return checkers.get(kind, _checked_number)(node, path, depth)
 
     def _resolve(self, reference: object, path: str) -> object:
         prefix = "#/$defs/"
@@ -102,12 +100,16 @@ class _Checker:
     def _object(self, node: Schema, path: str, depth: int) -> Schema:
         properties = node.get("properties", {})
         required = node.get("required", [])
-        if not isinstance(properties, dict) or not all(isinstance(name, str) for name in properties):
+        if not isinstance(properties, dict) or not all(
+            isinstance(name, str) for name in properties
+        ):
             raise _refuse(path, "properties must be an object")
         if not isinstance(required, list) or not set(required) <= set(properties):
             raise _refuse(path, f"required {required!r:.80} must be a list of declared properties")
         if node.get("additionalProperties", False) is not False:
-            raise _refuse(path, "additionalProperties must be false: the answer would have no bound")
+            raise _refuse(
+                path, "additionalProperties must be false: the answer would have no bound"
+            )
         return {
             "type": "object",
             "properties": {
@@ -140,13 +142,15 @@ def _checked_enum(node: Schema, path: str) -> list[Any]:
         raise _refuse(path, f"enum must be a list of 1 to {MAX_ITEMS} values")
     for value in values:
         if not isinstance(value, str | int | float | bool | None) or len(str(value)) > MAX_STRING:
-            raise _refuse(path, f"{value!r:.60} of an enum is no short string, number, boolean or null")
+            raise _refuse(
+                path, f"{value!r:.60} of an enum is no short string, number, boolean or null"
+            )
         if isinstance(value, float) and not math.isfinite(value):
             raise _refuse(path, f"{value} of an enum is not finite")
     return list(values)
 
 
-def _checked_string(node: Schema, path: str) -> Schema:
+def _checked_string(node: Schema, path: str, _: int) -> Schema:
     low = _bound(node, "minLength", 0, MAX_STRING, path, default=0)
     checked: Schema = {"type": "string"}
     if low:
@@ -173,7 +177,9 @@ def _checked_pattern(pattern: object, path: str, *, bounded: bool) -> str:
     if not bounded and re.search(r"[*+]|\{\d*,\}", skeleton):
         raise _refuse(path, f"pattern '{pattern}' matches strings of any length; add maxLength")
     if _has_top_level_alternative(skeleton):
-        raise _refuse(path, f"pattern '{pattern}' has | outside brackets, where ^ and $ bind closer")
+        raise _refuse(
+            path, f"pattern '{pattern}' has | outside brackets, where ^ and $ bind closer"
+        )
     return pattern
 
 
@@ -192,104 +198,17 @@ def _has_top_level_alternative(skeleton: str) -> bool:
     return False
 
 
-def _checked_number(node: Schema, kind: str, path: str) -> Schema:
+def _checked_number(node: Schema, path: str, _: int) -> Schema:
+    """Check a number; booleans and null have no keywords at all."""
+    kind = node["type"]
     checked: Schema = {"type": kind}
     for name in sorted(_KEYWORDS[kind] & set(node)):
         value = node[name]
-        if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+        if (
+            not isinstance(value, int | float)
+            or isinstance(value, bool)
+            or not math.isfinite(value)
+        ):
             raise _refuse(path, f"{name} is {value!r:.40}, must be a finite number")
         checked[name] = value
     return checked
-
-
-def violation(value: object, schema: Schema, path: str = "$") -> str | None:
-    """Return why a value does not fit a checked schema; None when it does."""
-    if "enum" in schema:
-        if any(value == option and type(value) is type(option) for option in schema["enum"]):
-            return None
-        return f"{path} is {_short(value)}, must be one of {_short(schema['enum'])}"
-    if "anyOf" in schema:
-        reasons = [violation(value, one, path) for one in schema["anyOf"]]
-        return None if None in reasons else " or ".join(str(reason) for reason in reasons)
-    return _VIOLATIONS[schema["type"]](value, schema, path)
-
-
-def _short(value: object) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= 120 else text[:117] + "..."
-
-
-def _object_violation(value: object, schema: Schema, path: str) -> str | None:
-    if not isinstance(value, dict):
-        return f"{path} is {_short(value)}, must be an object"
-    missing = [name for name in schema["required"] if name not in value]
-    if missing:
-        return f"{path} lacks {', '.join(missing)}"
-    for name, item in value.items():
-        if name not in schema["properties"]:
-            return f"{path} has '{name:.60}', which the schema does not know"
-        reason = violation(item, schema["properties"][name], f"{path}.{name}")
-        if reason is not None:
-            return reason
-    return None
-
-
-def _array_violation(value: object, schema: Schema, path: str) -> str | None:
-    if not isinstance(value, list):
-        return f"{path} is {_short(value)}, must be an array"
-    if not schema["minItems"] <= len(value) <= schema["maxItems"]:
-        return f"{path} has {len(value)} items, must have {schema['minItems']} to {schema['maxItems']}"
-    for index, item in enumerate(value):
-        reason = violation(item, schema["items"], f"{path}[{index}]")
-        if reason is not None:
-            return reason
-    return None
-
-
-def _string_violation(value: object, schema: Schema, path: str) -> str | None:
-    if not isinstance(value, str):
-        return f"{path} is {_short(value)}, must be a string"
-    low, high = schema.get("minLength", 0), schema.get("maxLength", MAX_STRING)
-    if not low <= len(value) <= high:
-        return f"{path} has {len(value)} characters, must have {low} to {high}"
-    if "pattern" in schema and re.fullmatch(schema["pattern"], value) is None:
-        return f"{path} is {_short(value)}, must match {schema['pattern']}"
-    return None
-
-
-def _number_violation(value: object, schema: Schema, path: str) -> str | None:
-    kind = schema["type"]
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return f"{path} is {_short(value)}, must be a {kind}"
-    if not math.isfinite(value) or (kind == "integer" and value != int(value)):
-        return f"{path} is {value}, must be a finite {kind}"
-    checks: dict[str, Callable[[float, float], bool]] = {
-        "minimum": lambda a, b: a >= b,
-        "maximum": lambda a, b: a <= b,
-        "exclusiveMinimum": lambda a, b: a > b,
-        "exclusiveMaximum": lambda a, b: a < b,
-        "multipleOf": lambda a, b: abs(a / b - round(a / b)) < 1e-9,
-    }
-    for name, holds in checks.items():
-        if name in schema and not holds(value, schema[name]):
-            return f"{path} is {value}, breaks {name} {schema[name]}"
-    return None
-
-
-def _boolean_violation(value: object, _: Schema, path: str) -> str | None:
-    return None if isinstance(value, bool) else f"{path} is {_short(value)}, must be true or false"
-
-
-def _null_violation(value: object, _: Schema, path: str) -> str | None:
-    return None if value is None else f"{path} is {_short(value)}, must be null"
-
-
-_VIOLATIONS: dict[str, Callable[[object, Schema, str], str | None]] = {
-    "object": _object_violation,
-    "array": _array_violation,
-    "string": _string_violation,
-    "integer": _number_violation,
-    "number": _number_violation,
-    "boolean": _boolean_violation,
-    "null": _null_violation,
-}

@@ -1,8 +1,9 @@
-"""One llama.cpp context, many sequences: constant prefixes are evaluated once and copied for nothing.
+"""One llama.cpp context, many sequences: a constant prefix is evaluated once, copied for free.
 
-Sequence 0 is where the current request is evaluated. The next `OPTIONS` sequences hold the options of a choice,
-which share the prompt. The rest each keep a prefix that requests have in common. In a unified cache a copy of a
-sequence is only a mark on its cells, so a prefix costs its memory once, however often it is used.
+Sequence 0 is where the current request is evaluated. The next `OPTIONS` sequences hold the options
+of a choice, which share the prompt. The rest each keep a prefix that requests have in common. In a
+unified cache a copy of a sequence is only a mark on its cells, so a prefix costs its memory once,
+however often it is used.
 
 Sequences are only ever copied and removed as a whole, which models with recurrent layers allow too.
 """
@@ -27,7 +28,7 @@ OPTIONS = 8
 """Options of a choice that are evaluated in one batch"""
 _BATCH = 512
 _CELL_ROUNDING = 256
-"""llama.cpp rounds the size of a context up to this; asking for less makes its own checks fail late"""
+"""llama.cpp rounds a context up to this; asking for less makes its own checks fail late"""
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,8 @@ class Sequences:
         """
         if len(tokens) + reserve > self.cells:
             raise RefusedError(
-                f"{len(tokens)} tokens of prompt and {reserve} of answer exceed the context of {self.cells}; "
+                f"{len(tokens)} tokens of prompt and {reserve} of answer exceed "
+                f"the context of {self.cells}; "
                 "shorten the messages or use a larger --context"
             )
         self._clear(WORK)
@@ -126,7 +128,7 @@ class Sequences:
         return Prefilled(self.extend(tokens[len(prefix) :], budget), reused)
 
     def extend(self, tokens: Sequence[int], budget: Budget) -> Logits:
-        """Evaluate more tokens (at least one) in the work sequence; return the (vocabulary,) logits after them."""
+        """Evaluate more tokens, at least one; return the (vocabulary,) logits after them."""
         logits = self._evaluate(tokens, self._length, WORK, budget)
         self._length += len(tokens)
         return logits
@@ -188,7 +190,7 @@ class Sequences:
         return sequence
 
     def _make_room(self, prefix: tuple[int, ...], needed: int) -> None:
-        """Forget prefixes, least recently used first, until `needed` cells are free beside the others."""
+        """Forget prefixes, least recently used first, until `needed` cells are free."""
         others = [held for held in self._prefixes if held != prefix]
         used = sum(len(held) for held in others)
         for held in others:
@@ -221,7 +223,7 @@ class Sequences:
         return self._logits(last % _BATCH)
 
     def _decode(self, rows: Sequence[Row]) -> None:
-        """Evaluate one batch. On failure everything is forgotten, so that the next request starts clean."""
+        """Evaluate one batch. On failure all is forgotten: the next request starts clean."""
         if not rows:
             return
         batch = self._batch
@@ -239,7 +241,8 @@ class Sequences:
             self._free += self._prefixes.values()
             self._prefixes.clear()
             raise ModelError(
-                f"llama.cpp failed to evaluate {len(rows)} tokens (status {status}, context {self.cells})"
+                f"llama.cpp failed to evaluate {len(rows)} tokens "
+                f"(status {status}, context {self.cells})"
             )
 
     def _logits(self, index: int) -> Logits:

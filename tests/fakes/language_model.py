@@ -21,7 +21,10 @@ class ScriptedBackend:
     """Gives prepared answers in order, and remembers what it was asked and on which thread."""
 
     def __init__(
-        self, answers: Sequence[str] = (), likelihoods: Sequence[float] = (), concurrent_calls: int = 1
+        self,
+        answers: Sequence[str] = (),
+        likelihoods: Sequence[float] = (),
+        concurrent_calls: int = 1,
     ) -> None:
         self._answers = list(answers)
         self._likelihoods = list(likelihoods)

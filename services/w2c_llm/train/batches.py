@@ -21,7 +21,7 @@ class Batch:
     targets: torch.Tensor
     """(examples, length) int64, the token that follows each"""
     weights: torch.Tensor
-    """(examples, length) float32: 1 where an answer follows, less in the prompt, 0 in the padding"""
+    """(examples, length) float32: 1 in the answer, less in the prompt, 0 in the padding"""
     answers: torch.Tensor
     """(examples, length) bool, where the target belongs to the answer"""
 
@@ -55,7 +55,9 @@ def shuffled_batches(
     order = random.permutation(len(examples))
     chunk = size * _CHUNK_BATCHES
     for start in range(0, len(order), chunk):
-        indices = sorted(order[start : start + chunk], key=lambda index: len(examples[index].tokens))
+        indices = sorted(
+            order[start : start + chunk], key=lambda index: len(examples[index].tokens)
+        )
         groups = [indices[at : at + size] for at in range(0, len(indices), size)]
         for group in random.permutation(len(groups)):
             yield make_batch([examples[index] for index in groups[group]], prompt_weight)

@@ -62,15 +62,17 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--minutes", type=float, default=40.0, help="training time in all")
     parser.add_argument("--steps", type=int, help="end after so many steps instead")
     parser.add_argument("--vocabulary", type=int, default=2048, help="tokens of the BPE")
-    parser.add_argument("--layers", type=int, default=6)
+    parser.add_argument("--layers", type=int, default=4)
     parser.add_argument("--width", type=int, default=256)
     parser.add_argument("--feed-forward", type=int, default=704)
     parser.add_argument("--batch", type=int, default=48, help="examples a step")
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
-    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--weights", choices=("f32", "f16", "q8_0"), default="q8_0")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--resume", action="store_true", help="continue from the checkpoint in --out")
+    parser.add_argument(
+        "--resume", action="store_true", help="continue from the checkpoint in --out"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result here")
     return parser
 

@@ -22,12 +22,8 @@ class Example(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     messages: Annotated[list[Turn], msgspec.Meta(min_length=1)]
     answer: Annotated[str, msgspec.Meta(min_length=1)]
     """What the assistant must say, character by character"""
-
-    @property
-    def task(self) -> str:
-        """The tag of the embedded prompt set: the first system message; `chat` where there is none."""
-        first = self.messages[0]
-        return first.content if first.role == "system" else "chat"
+    task: str = "all of them"
+    """Under which name it is counted"""
 
 
 def read_corpus(path: Path) -> list[Example]:
@@ -37,7 +33,9 @@ def read_corpus(path: Path) -> list[Example]:
         ConfigError: there is no such file, it is empty, or a line is not an example.
     """
     if not path.is_file():
-        raise ConfigError(f"no corpus at {path}; write one with the corpus generator of the dialogue")
+        raise ConfigError(
+            f"no corpus at {path}; write one with the corpus generator of the dialogue"
+        )
     examples = list(_decode_lines(path))
     if not examples:
         raise ConfigError(f"the corpus {path} holds no example")

@@ -47,7 +47,11 @@ class Card:
 
 
 def export_gguf(
-    path: Path, network: Qwen2ForCausalLM, tokenizer: Tokenizer, card: Card, weights: Weights = "q8_0"
+    path: Path,
+    network: Qwen2ForCausalLM,
+    tokenizer: Tokenizer,
+    card: Card,
+    weights: Weights = "q8_0",
 ) -> None:
     """Write the model. The embedding serves as output layer too, so it is stored once."""
     quantization, file_type = _TYPES[weights]

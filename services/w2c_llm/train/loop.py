@@ -28,7 +28,7 @@ class Recipe:
     warm_up: float = 0.02
     """Share of the budget in which the learning rate rises"""
     weight_decay: float = 0.05
-    prompt_weight: float = 0.1
+    prompt_weight: float = 0.0
     """Weight of a token of the prompt in the loss; an answer's token has 1"""
     seed: int = 0
     report_every: int = 200
@@ -136,10 +136,9 @@ class Trainer:
         for group in self._optimizer.param_groups:
             group["lr"] = rate
         with torch.autocast("cpu", torch.bfloat16):
-            logits = self.network(input_ids=batch.tokens).logits
-        loss = _weighted_loss(logits, batch)
+            loss = _weighted_loss(self.network, batch)
         self._optimizer.zero_grad(set_to_none=True)
-        loss.backward()
+        torch.autograd.backward(loss)
         torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
         self._optimizer.step()
         self.progress.step += 1
@@ -148,11 +147,16 @@ class Trainer:
         return float(loss.detach())
 
 
-def _weighted_loss(logits: torch.Tensor, batch: Batch) -> torch.Tensor:
-    """Return the cross entropy, weighted by token."""
+def _weighted_loss(network: Qwen2ForCausalLM, batch: Batch) -> torch.Tensor:
+    """Return the cross entropy, weighted by token.
+
+    The output layer sees only the positions that count: with a vocabulary wider than the network it
+    would be most of the work otherwise.
+    """
     chosen = batch.weights > 0.0
     weights = batch.weights[chosen]
+    hidden = network.model(input_ids=batch.tokens).last_hidden_state[chosen]
     losses = torch.nn.functional.cross_entropy(
-        logits[chosen].float(), batch.targets[chosen], reduction="none"
+        network.lm_head(hidden).float(), batch.targets[chosen], reduction="none"
     )
     return (losses * weights).sum() / weights.sum()

@@ -1,4 +1,4 @@
-"""One training run: tokenizer, network, loop, score, export, and a check of the file through llama.cpp."""
+"""One training run: tokenizer, network, loop, score, export, and a check through llama.cpp."""
 
 import random
 from collections.abc import Callable, Sequence
@@ -32,12 +32,12 @@ class TrainingPlan:
     minutes: float = 40.0
     steps: int | None = None
     vocabulary: int = 2048
-    layers: int = 6
+    layers: int = 4
     width: int = 256
     feed_forward: int = 704
     batch: int = 48
     peak_rate: float = 2e-3
-    threads: int = 2
+    threads: int = 1
     weights: Weights = "q8_0"
     seed: int = 0
     resume: bool = False
@@ -80,7 +80,7 @@ def run(plan: TrainingPlan, log: Callable[[str], None]) -> TrainingResult:
             raise ConfigError(f"nothing to resume: no {checkpoint}; start without --resume")
         trainer.restore(checkpoint)
     parameters = sum(weight.numel() for weight in network.parameters())
-    log(f"{parameters / 1e6:.2f} M parameters, {len(encoded)} examples, {_mean(encoded):.0f} tokens each")
+    log(f"{parameters / 1e6:.2f} M parameters, {len(encoded)} examples")
     glimpse = random.Random(0).sample(encoded_heldout, min(_SCORED_DURING_TRAINING, len(heldout)))  # noqa: S311 - not a secret
 
     def on_report(report: Report) -> None:
@@ -137,10 +137,6 @@ def _encode_all(
     if len(short) < len(encoded):
         log(f"{len(encoded) - len(short)} examples are longer than {limit} tokens and left out")
     return short
-
-
-def _mean(examples: Sequence[EncodedExample]) -> float:
-    return sum(len(example.tokens) for example in examples) / len(examples)
 
 
 def _line(report: Report, rates: dict[str, tuple[int, int]]) -> str:

@@ -15,12 +15,12 @@ def exact_matches(
 ) -> list[bool]:
     """Return for each example whether greedy decoding would give exactly its answer.
 
-    Greedy decoding reproduces an answer if and only if, with the answer as context, the most likely token is the
-    right one at every position: so no text has to be generated.
+    Greedy decoding reproduces an answer if and only if, with the answer as context, the most likely
+    token is the right one at every position: so no text has to be generated.
     """
     order = sorted(range(len(examples)), key=lambda index: len(examples[index].tokens))
     result = [False] * len(examples)
-    network.eval()
+    network.train(False)
     for start in range(0, len(order), size):
         indices = order[start : start + size]
         batch = make_batch([examples[index] for index in indices], 0.0)

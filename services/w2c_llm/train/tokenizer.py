@@ -1,7 +1,8 @@
 """The byte-level BPE of the embedded model, and how a chat becomes tokens.
 
-The split before BPE is the one that llama.cpp calls `qwen2`; it keeps digits single, which makes numbers easy
-to copy. What is trained here must be tokenised identically there: a test compares the two.
+The split before BPE is the one that llama.cpp calls `qwen2`; it keeps digits single, which makes
+numbers easy to copy. What is trained here must be tokenised identically there: a test compares the
+two.
 """
 
 from collections.abc import Iterable
@@ -23,10 +24,11 @@ ROLES = ("system", "user", "assistant")
 SPECIAL_TOKENS = (PAD, END, *(f"<|{role}|>" for role in ROLES))
 
 CHAT_TEMPLATE = (
-    "{% for message in messages %}{{ '<|' + message['role'] + '|>' + message['content'] + '<|end|>' }}"
+    "{% for message in messages %}"
+    "{{ '<|' + message['role'] + '|>' + message['content'] + '<|end|>' }}"
     "{% endfor %}{% if add_generation_prompt %}{{ '<|assistant|>' }}{% endif %}"
 )
-"""Goes into the GGUF file. `render_prompt` is the same thing without a template engine."""
+"""Goes into the GGUF file. `render_prompt` is the same without a template engine."""
 
 
 def render_prompt(messages: Iterable[Turn]) -> str:
@@ -76,9 +78,10 @@ class EncodedExample:
 def encode(tokenizer: Tokenizer, example: Example) -> EncodedExample:
     """Return the tokens of an example.
 
-    Prompt and answer are encoded apart: the answer begins after a special token, where no merge reaches over.
+    Prompt and answer are encoded apart: the answer begins after a special token, where no merge
+    reaches over.
     """
     prompt = tokenizer.encode(render_prompt(example.messages), add_special_tokens=False).ids
     answer = tokenizer.encode(example.answer, add_special_tokens=False).ids
-    end = tokenizer.token_to_id(END)
-    return EncodedExample([*prompt, *answer, end], len(prompt), example.task)
+    end = tokenizer.encode(END, add_special_tokens=False).ids
+    return EncodedExample([*prompt, *answer, *end], len(prompt), example.task)

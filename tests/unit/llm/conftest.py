@@ -1,9 +1,10 @@
-"""A tiny model with random weights, written by the project's own exporter: the real loading path, in a second."""
+"""A tiny model with random weights from the project's own exporter: the real loading path."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
 from w2c.clock import RealClock
 from w2c.messages import ChatMessage
 from w2c_llm.backend import Budget
@@ -13,7 +14,8 @@ from w2c_llm.train.export import Card, export_gguf
 from w2c_llm.train.network import NetworkSize, make_network
 from w2c_llm.train.tokenizer import train_tokenizer
 
-WORDS = "put your left hand on top of the red book next to the 12 mugs, a bit more to the right".split()
+SENTENCE = "put your left hand on top of the red book next to the 12 mugs, a bit more to the right"
+WORDS = SENTENCE.split()
 
 
 def sample_examples() -> list[Example]:
@@ -24,7 +26,7 @@ def sample_examples() -> list[Example]:
                 Turn("system", f"task {index % 3}"),
                 Turn("user", " ".join(WORDS[index % 5 : index % 5 + 8])),
             ],
-            '{"position":"%s","objects":["%d-%d"]}' % (WORDS[index % 7], index % 9, index % 9 + 1),
+            f'{{"position":"{WORDS[index % 7]}","objects":["{index % 9}-{index % 9 + 1}"]}}',
         )
         for index in range(60)
     ]

@@ -3,9 +3,10 @@
 import math
 
 import pytest
-from fakes.language_model import ScriptedBackend
 from hypothesis import given
 from hypothesis import strategies as st
+
+from fakes.language_model import ScriptedBackend
 from w2c.clock import RealClock, StepClock
 from w2c.errors import DeadlineError, ModelError, RefusedError
 from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest
@@ -90,7 +91,10 @@ def ask(prior: dict[str, float], likelihoods: list[float]) -> dict[str, float]:
 def test_probabilities_sum_to_one(likelihoods: list[float]) -> None:
     probabilities = ask({}, likelihoods)
     assert math.fsum(probabilities.values()) == pytest.approx(1.0)
-    assert max(probabilities.values()) == probabilities[f"option {likelihoods.index(max(likelihoods))}"]
+    assert (
+        max(probabilities.values())
+        == probabilities[f"option {likelihoods.index(max(likelihoods))}"]
+    )
 
 
 def test_a_prior_shifts_the_odds_by_exactly_its_size() -> None:

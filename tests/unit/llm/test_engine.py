@@ -4,9 +4,17 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+
 from fakes.language_model import ScriptedBackend
 from w2c.clock import StepClock
-from w2c.errors import ConfigError, DeadlineError, ModelError, RefusedError, UnavailableError, W2CError
+from w2c.errors import (
+    ConfigError,
+    DeadlineError,
+    ModelError,
+    RefusedError,
+    UnavailableError,
+    W2CError,
+)
 from w2c_llm.backend import Backend, Budget
 from w2c_llm.engine import Engine
 

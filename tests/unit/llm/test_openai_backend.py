@@ -1,4 +1,4 @@
-"""The remote backend against a server on this machine: retries, prose around JSON, the key stays secret."""
+"""The remote backend against a local server: retries, prose around JSON, the key stays secret."""
 
 import json
 import logging
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from fakes.chat_server import ChatServer, completion
 from w2c.clock import RealClock, StepClock
 from w2c.errors import ConfigError, DeadlineError, ModelError, RefusedError, W2CError
@@ -14,7 +15,8 @@ from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest
 from w2c_llm.answering import choose, complete
 from w2c_llm.backend import Budget
 from w2c_llm.node import read_key
-from w2c_llm.openai_backend import OpenAiBackend, OpenAiOptions, extract_json
+from w2c_llm.openai_backend import OpenAiBackend, OpenAiOptions
+from w2c_llm.openai_wire import extract_json
 
 KEY = "sk-very-secret-7a31"
 CHAT = [ChatMessage(role="system", content="analyze"), ChatMessage(role="user", content="the cup")]
@@ -27,7 +29,9 @@ REQUEST = CompleteRequest(messages=CHAT, schema=SCHEMA, seed=7, max_tokens=50)
 
 
 def client(server: ChatServer, **options: Any) -> OpenAiBackend:
-    return OpenAiBackend(OpenAiOptions(server.url, "some-model", **options), KEY, pause=lambda _: None)
+    return OpenAiBackend(
+        OpenAiOptions(server.url, "some-model", **options), KEY, pause=lambda _: None
+    )
 
 
 def minute() -> Budget:

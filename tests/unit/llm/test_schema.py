@@ -7,8 +7,10 @@ import jsonschema
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from w2c.errors import RefusedError
-from w2c_llm.schema import check_schema, violation
+from w2c_llm.schema import check_schema
+from w2c_llm.values import violation
 
 
 def obj(**properties: Any) -> dict[str, Any]:
@@ -85,7 +87,11 @@ EXAMPLES: list[dict[str, Any]] = [
     {"anyOf": [{"type": "null"}, {"enum": ["x", 1, True]}]},
 ]
 values = st.recursive(
-    st.none() | st.booleans() | st.integers(-3, 12) | st.floats(allow_nan=False) | st.text("0-ax", max_size=4),
+    st.none()
+    | st.booleans()
+    | st.integers(-3, 12)
+    | st.floats(allow_nan=False)
+    | st.text("0-ax", max_size=4),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from("abc"), inner),
     max_leaves=6,
 )
@@ -93,7 +99,7 @@ values = st.recursive(
 
 @given(schema=st.sampled_from(EXAMPLES), value=values)
 def test_the_verdict_is_that_of_a_full_validator(schema: dict[str, Any], value: Any) -> None:
-    """Except for 1.0, which is an integer there and here, and for infinity, which JSON does not have."""
+    """Except for infinity, which JSON does not have."""
     checked = check_schema(schema)
     expected = jsonschema.Draft202012Validator(checked).is_valid(value)
     if isinstance(value, list) and any(isinstance(v, float) and math.isinf(v) for v in value):
@@ -107,5 +113,7 @@ def test_a_number_that_is_not_finite_is_no_number(value: float) -> None:
 
 
 def test_the_reason_names_the_place() -> None:
-    schema = check_schema(obj(list={"type": "array", "maxItems": 3, "items": obj(n={"type": "null"})}))
+    schema = check_schema(
+        obj(list={"type": "array", "maxItems": 3, "items": obj(n={"type": "null"})})
+    )
     assert violation({"list": [{"n": None}, {"n": 3}]}, schema) == "$.list[1].n is 3, must be null"
