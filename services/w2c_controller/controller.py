@@ -6,13 +6,17 @@ tau is the torque of the static equilibrium with all contact forces: a position-
 stiffness K bears it when it is wound up by tau / K. Without it a hand touches, and carries nothing.
 """
 
+from collections import deque
 from dataclasses import dataclass
+from queue import Empty, SimpleQueue
 
 import numpy as np
 import numpy.typing as npt
 
+from w2c.errors import GoalRefusedError
 from w2c.geometry import frame_from_normal
 from w2c.messages import JointCommand, RobotDescription, RobotState
+from w2c_controller.desired import DesiredState
 from w2c_controller.hands import Hands
 from w2c_controller.model import Kinematics, build_model, standing_configuration
 from w2c_controller.parameters import HANDS, Parameters
@@ -58,9 +62,7 @@ class Snapshot:
 class Controller:
     """Retargeting, switching and elastic compensation around one robot's state."""
 
-    def __init__(
-        self, description: RobotDescription, parameters: Parameters | None = None
-    ) -> None:
+    def __init__(self, description: RobotDescription, parameters: Parameters | None = None) -> None:
         self.parameters = parameters or Parameters()
         self.description = description
         self.model = build_model(description)
@@ -85,6 +87,8 @@ class Controller:
         self._blend_time = self.parameters.motion.blend_time
         self._tick = 0
         self._message = ""
+        self._frozen = ""
+        self._copies: deque[SimpleQueue[DesiredState]] = deque()
 
     @property
     def switching(self) -> Switching:
@@ -100,7 +104,7 @@ class Controller:
         self._tick = state.tick
         if not self._started:
             self._start(state)
-        if state.mode == "stopped":
+        if state.mode == "stopped" or self._frozen:
             return self._hold_stopped(state)
         if self._stopped:
             self._stopped = False
@@ -119,7 +123,28 @@ class Controller:
         if np.isfinite(command).all():
             self._command = command
         self._publish_situation()
+        if self._copies:
+            self._copies.popleft().put(self.retargeting.state.copy())
         return JointCommand(tick=state.tick, position=self._command.copy())
+
+    def freeze(self, reason: str) -> None:
+        """Hold from the next tick on, until the driver was stopped and resumed. From any thread."""
+        self._frozen = reason or "stopped by the operator"
+
+    def desired_copy(self, timeout_s: float) -> DesiredState:
+        """Return a copy of the desired state, made by the loop between two ticks. From another thread.
+
+        Raises:
+            GoalRefusedError: no tick came.
+        """
+        slot: SimpleQueue[DesiredState] = SimpleQueue()
+        self._copies.append(slot)
+        try:
+            return slot.get(timeout=timeout_s)
+        except Empty as error:
+            raise GoalRefusedError(
+                f"the robot did not move on within {timeout_s} s (stopped, or no state): no preview"
+            ) from error
 
     def take_events(self) -> list[Event]:
         """Return what happened to goals since the last call."""
@@ -185,15 +210,20 @@ class Controller:
 
     def _hold_stopped(self, state: RobotState) -> JointCommand:
         """Freeze: the driver holds its command; answer with it."""
+        reason = self._frozen or "stopped by the operator"
         if not self._stopped:
             self._stopped = True
-            self._switching.abort("stopped by the operator")
+            self._switching.abort(reason)
             for request in self.requests.clear():
-                self._events.append(_event(request, "aborted", "stopped by the operator"))
+                self._events.append(_event(request, "aborted", reason))
             self._events.extend(self._switching.step(self._measured))
+            self._command = state.command.copy()
+        if state.mode == "stopped":
+            # From here on the driver's own mode says when to go on.
+            self._frozen = ""
+            self._command = state.command.copy()
         self._measured = self._loads.update(state)
-        self._command = state.command.copy()
-        self._message = "stopped by the operator; resume to go on"
+        self._message = f"{reason}; resume to go on"
         self._publish_situation()
         return JointCommand(tick=state.tick, position=self._command.copy())
 
@@ -263,5 +293,3 @@ class Controller:
 def _event(request: Request, state: str, reason: str = "") -> Event:
     task = request.goal.task if request.goal is not None else "contact"
     return Event(request.goal_id, request.hand, task, state, reason)  # type: ignore[arg-type]
-
-

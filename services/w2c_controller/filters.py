@@ -41,7 +41,9 @@ class LowPass:
         return self._value
 
 
-def bang_bang_speed(error: Vector, speed: Vector, top: float, acceleration: float, dt: float) -> Vector:
+def bang_bang_speed(
+    error: Vector, speed: Vector, top: float, acceleration: float, dt: float
+) -> Vector:
     """Return the next speed, axis by axis, of the time-optimal way to remove an error.
 
     Full acceleration towards the largest speed from which full braking still stops at the target. The

@@ -97,7 +97,9 @@ def _check_point(point: Vector) -> None:
             f"the point is inside the robot: {from_axis:.2f} m from its axis, at least {BODY_RADIUS} m needed"
         )
     if x < BEHIND:
-        raise GoalRefusedError(f"the point is {-x:.2f} m behind the robot; the arms work in front of it")
+        raise GoalRefusedError(
+            f"the point is {-x:.2f} m behind the robot; the arms work in front of it"
+        )
     if from_axis > FARTHEST:
         raise GoalRefusedError(
             f"the point is {from_axis:.2f} m away, limit {FARTHEST} m; bring the robot closer"

@@ -32,9 +32,7 @@ class Hands:
         self.rotations = {k: rotation.copy() for k, rotation in self._rest_rotations.items()}
         """(3, 3) world_from_hand wanted; matters where a hand has an orientation"""
         self._filters = {
-            k: HandFilter(
-                filters, retargeting.dt, kinematics.positions[k], kinematics.rotations[k]
-            )
+            k: HandFilter(filters, retargeting.dt, kinematics.positions[k], kinematics.rotations[k])
             for k in HANDS
         }
 

@@ -68,7 +68,9 @@ def build_model(description: RobotDescription) -> ControlledModel:
     try:
         full = pin.buildModelFromXML(description.urdf, pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError) as error:
-        raise ConfigError(f"the robot's description is no URDF that Pinocchio reads: {error}") from error
+        raise ConfigError(
+            f"the robot's description is no URDF that Pinocchio reads: {error}"
+        ) from error
     positions = {
         joint.name: float(angle)
         for joint, angle in zip(description.joints, description.initial_position, strict=True)

@@ -127,9 +127,9 @@ class Motion:
     """Where a reaching hand stops before the point, on the way it came [m]."""
     reached_distance: float = 0.02
     reached_speed: float = 0.02
-    bump_force: float = 8.0
+    bump_force: float = 10.0
     """Measured force that stops a reaching hand [N]."""
-    bump_retreat: float = 0.005
+    bump_retreat: float = 0.002
     """How far it then backs off along the normal [m]."""
     bump_distance: float = 0.03
     """A hand stopped this close to its point has reached it [m]."""

@@ -46,9 +46,7 @@ class Retargeting:
         self._configured_min = np.array(
             [normal_force_limits(parameters.limits, k)[0] for k in range(4)]
         )
-        self.state = DesiredState(
-            q=np.zeros(controlled.model.nq), posture=np.zeros(controlled.nj)
-        )
+        self.state = DesiredState(q=np.zeros(controlled.model.nq), posture=np.zeros(controlled.nj))
         for left in (False, True):
             for right in (False, True):
                 self._builder((True, True, left, right))
@@ -133,9 +131,7 @@ class Retargeting:
         state, kinematics, controlled = self.state, self.kinematics, self.controlled
         builder = self._builder(state.enabled)
         kinematics.update_frames(state.q)
-        kinematics.update_statics(
-            state.q, state.wrenches, state.contact_rotations, state.enabled
-        )
+        kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
         try:
             x = scale * self._solver.solve(builder.fill(kinematics, state))
         except SolverError:
@@ -169,7 +165,9 @@ class Retargeting:
         for k in range(4):
             normal = float(state.wrenches[k, 2])
             configured = float(self._configured_min[k])
-            growing = state.enabled[k] and not state.releasing[k] and state.force_min[k] < configured
+            growing = (
+                state.enabled[k] and not state.releasing[k] and state.force_min[k] < configured
+            )
             if growing and normal > state.force_min[k] + FORCE_MIN_SLACK:
                 state.force_min[k] = min(normal - FORCE_MIN_SLACK, configured)
 
@@ -182,5 +180,3 @@ class Retargeting:
                 state.enabled = with_contact(state.enabled, k, False)
                 state.releasing[k] = False
                 state.wrenches[k] = 0.0
-
-

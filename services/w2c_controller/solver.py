@@ -1,6 +1,6 @@
 """Strictly convex quadratic programs: daqp first, piqp where it fails.
 
-    min 1/2 x'Hx + g'x   s.t.   Ax = b,   l <= Cx <= u,   lower <= x <= upper
+min 1/2 x'Hx + g'x   s.t.   Ax = b,   l <= Cx <= u,   lower <= x <= upper
 """
 
 from dataclasses import dataclass, field
@@ -95,7 +95,9 @@ class DaqpSolver:
             iter_limit=500,
         )
         if flag != 1 or not np.isfinite(x).all():
-            raise UnsolvedError(f"daqp ends with flag {flag} (1 = optimal, -1 = infeasible)", program)
+            raise UnsolvedError(
+                f"daqp ends with flag {flag} (1 = optimal, -1 = infeasible)", program
+            )
         return np.asarray(x)
 
     def _sense(self, program: Program) -> npt.NDArray[np.int32]:

@@ -300,7 +300,9 @@ class Switching:
         elif self._elapsed > self._motion.unload_timeout:
             left = float(self._retargeting.state.wrenches[self._hand, 2])
             self._retargeting.keep(self._hand)
-            reason = f"{left:.0f} N cannot be taken off this hand: the other contacts cannot carry it"
+            reason = (
+                f"{left:.0f} N cannot be taken off this hand: the other contacts cannot carry it"
+            )
             self._emit("aborted", reason)
             self.goal, self._next, self.releasing_id = None, None, ""
             self._enter("hold")

@@ -1,0 +1,14 @@
+"""The flags of `w2c controller`."""
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from w2c.config import ServiceConfig
+
+
+class ControllerConfig(ServiceConfig, frozen=True, kw_only=True):
+    """The whole-body controller."""
+
+    stale_ms: Annotated[float, Meta(ge=10.0, le=5000.0)] = 100.0
+    """In real time, without a state for this long the controller stops commanding [ms]."""
