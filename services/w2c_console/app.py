@@ -127,22 +127,14 @@ def make_app(
         allowed_hosts: names the page may be opened under; None = any.
     """
     streams = Streams(view, clock, title=title, robot=robot)
-    requests = Requests(view, operator)
+    does = Requests(view, operator)
+    acts = (does.say, does.confirm, does.point, does.stop, does.resume)
     return Starlette(
         routes=[
             Route("/", _index),
             WebSocketRoute("/ws/camera", streams.camera),
             WebSocketRoute("/ws/news", streams.news),
-            *(
-                Route(f"/api/{handler.__name__}", handler, methods=["POST"])
-                for handler in (
-                    requests.say,
-                    requests.confirm,
-                    requests.point,
-                    requests.stop,
-                    requests.resume,
-                )
-            ),
+            *(Route(f"/api/{act.__name__}", act, methods=["POST"]) for act in acts),
             Mount("/static", StaticFiles(directory=STATIC)),
         ],
         middleware=[Middleware(Guard, allowed_hosts=allowed_hosts)],

@@ -47,6 +47,7 @@ class WebServer:
                 ws_per_message_deflate=False,  # a JPEG does not get smaller
                 lifespan="off",
                 log_config=None,
+                log_level="warning",  # a page that comes or goes is no event of the log
                 access_log=False,
                 server_header=False,
                 timeout_graceful_shutdown=1,

@@ -1,118 +1,19 @@
-"""Requests and streams of the page, on a model and hands that are fakes."""
+"""Requests of the page, on a model and hands that are fakes."""
 
-import json
-import struct
 import threading
-from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from fakes.console_world import make_target
+from fakes.console_operator import STAMP, Page
+from fakes.table_picture import make_target
 from support.waiting import wait_until
-from w2c.clock import StepClock
 from w2c.errors import DeadlineError, RefusedError, RemoteError, UnavailableError, W2CError
-from w2c.messages import (
-    CameraFrame,
-    ConfirmRequest,
-    Message,
-    PointRequest,
-    SayRequest,
-    StopReply,
-    Turn,
-)
-from w2c_console.app import STOPS_AT_ONCE, make_app
-from w2c_console.journal import turn_entry
-from w2c_console.model import ConsoleModel
-from w2c_console.page import TurnEntry
-from w2c_console.stop import StopOutcome
+from w2c.messages import ConfirmRequest, SayRequest
+from w2c_console.app import STOPS_AT_ONCE
 
 THREADS_OF_STARLETTE = 40
-STAMP = 1_795_000_000_123_456_789
-
-
-@dataclass
-class FakeOperator:
-    """Remembers what it was asked to do."""
-
-    asked: list[Message] = field(default_factory=list)
-    problem: W2CError | None = None
-    acknowledges: bool = True
-    answered: int = 0
-    answering: threading.Event = field(default_factory=threading.Event)
-
-    def __post_init__(self) -> None:
-        self.answering.set()
-
-    def say(self, request: SayRequest) -> TurnEntry:
-        return self._answer(request)
-
-    def confirm(self, request: ConfirmRequest) -> TurnEntry:
-        return self._answer(request)
-
-    def point(self, request: PointRequest) -> TurnEntry:
-        return self._answer(request)
-
-    def stop(self, reason: str) -> StopOutcome:
-        return StopOutcome(acknowledged=self.acknowledges, mode="stopped", failures=[reason])
-
-    def resume(self) -> StopReply:
-        if self.problem is not None:
-            raise self.problem
-        return StopReply(mode="tracking", stamp_ns=STAMP)
-
-    def _answer(self, request: Message) -> TurnEntry:
-        self.asked.append(request)
-        self.answering.wait(30.0)
-        self.answered += 1
-        if self.problem is not None:
-            raise self.problem
-        turn = Turn(stamp_ns=1, text="x", module="none", reply="done", ok=True, seconds=0.1)
-        return turn_entry(turn, 0)
-
-
-class Page:
-    """A client of the application, with all that is behind it."""
-
-    def __init__(self) -> None:
-        self.model = ConsoleModel()
-        self.operator = FakeOperator()
-        app = make_app(
-            self.model,
-            self.operator,
-            StepClock(),
-            title="Title",
-            robot="talos",
-            allowed_hosts=frozenset({"localhost"}),
-        )
-        self.client = TestClient(app, base_url="http://localhost:8080")
-
-    def picture(self, stamp_ns: int, jpeg: bytes = b"jpeg") -> None:
-        frame = CameraFrame(
-            stamp_ns=stamp_ns,
-            frame="camera",
-            width=64,
-            height=48,
-            intrinsics=(50.0, 50.0, 32.0, 24.0),
-            jpeg=jpeg,
-            depth=b"",
-        )
-        self.model.on_frame(frame, 0)
-
-
-@pytest.fixture
-def page() -> Iterator[Page]:
-    page = Page()
-    with page.client:
-        yield page
-
-
-def unpack(packet: bytes) -> tuple[dict[str, Any], bytes]:
-    (length,) = struct.unpack_from(">I", packet)
-    return json.loads(packet[4 : 4 + length]), packet[4 + length :]
 
 
 def test_the_page_and_its_modules_are_served_with_a_policy(page: Page) -> None:
@@ -249,59 +150,3 @@ def test_resume_tells_the_mode_or_why_not(page: Page) -> None:
     assert page.client.post("/api/resume").json() == {"mode": "tracking", "stamp": str(STAMP)}
     page.operator.problem = RefusedError("the robot fell")
     assert page.client.post("/api/resume").status_code == 409
-
-
-def test_the_camera_stream_answers_with_the_newest_picture_only(page: Page) -> None:
-    for stamp in (1, 2, 3):
-        page.picture(stamp, jpeg=f"jpeg {stamp}".encode())
-    with page.client.websocket_connect("ws://localhost:8080/ws/camera") as socket:
-        socket.send_text('{"shown": 0}')
-        header, jpeg = unpack(socket.receive_bytes())
-        assert (header["stamp"], jpeg) == ("3", b"jpeg 3")
-        page.picture(4)
-        page.picture(5, jpeg=b"jpeg 5")
-        socket.send_text(json.dumps({"shown": header["sequence"]}))
-        header, jpeg = unpack(socket.receive_bytes())
-        assert (header["stamp"], jpeg) == ("5", b"jpeg 5")
-
-
-def test_a_new_target_is_told_without_sending_the_picture_again(page: Page) -> None:
-    page.picture(1)
-    with page.client.websocket_connect("ws://localhost:8080/ws/camera") as socket:
-        socket.send_text('{"shown": 0}')
-        header, _ = unpack(socket.receive_bytes())
-        assert header["marker"] is None
-        page.model.on_target(make_target("t-1", 1))
-        socket.send_text(json.dumps({"shown": header["sequence"]}))
-        header, jpeg = unpack(socket.receive_bytes())
-        assert header["marker"]["target_id"] == "t-1"
-        assert jpeg == b""
-
-
-def test_a_camera_stream_that_sends_rubbish_is_closed(page: Page) -> None:
-    with page.client.websocket_connect("ws://localhost:8080/ws/camera") as socket:
-        socket.send_text('{"shown": "all"}')
-        with pytest.raises(WebSocketDisconnect):
-            socket.receive_bytes()
-
-
-def test_news_begin_where_the_page_left_off(page: Page) -> None:
-    for text in ("one", "two", "three"):
-        turn = Turn(stamp_ns=1, text=text, module="none", reply="", ok=True, seconds=0.0)
-        page.model.on_turn(turn, 0)
-
-    def chat(wish: dict[str, Any]) -> tuple[str, list[str]]:
-        with page.client.websocket_connect("ws://localhost:8080/ws/news") as socket:
-            socket.send_text(json.dumps(wish))
-            hello = socket.receive_json()
-            assert (hello["title"], hello["robot"]) == ("Title", "talos")
-            texts = []
-            while (news := socket.receive_json())["type"] != "panel":
-                texts.append(news["text"])
-            return hello["boot"], texts
-
-    boot, texts = chat({})
-    assert texts == ["one", "two", "three"]
-    assert chat({"boot": boot, "after": 2})[1] == ["three"]
-    # Numbers of an earlier start of the console mean nothing now.
-    assert chat({"boot": "another", "after": 2})[1] == ["one", "two", "three"]

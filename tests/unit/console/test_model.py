@@ -1,6 +1,6 @@
 """What the console knows, and what it tells the page of it."""
 
-from fakes.console_world import make_target
+from fakes.table_picture import make_target
 from w2c.messages import CameraFrame, GoalEvent, Turn
 from w2c_console.journal import ENTRIES_KEPT
 from w2c_console.model import ConsoleModel

@@ -7,15 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fakes.console_world import (
-    BOOK_TOP,
-    CAMERA,
-    HEIGHT,
-    WIDTH,
-    camera_pose,
-    make_target,
-    pixel_of,
-)
+from fakes.table_picture import BOOK_TOP, CAMERA, HEIGHT, WIDTH, camera_pose, make_target, pixel_of
 from w2c.messages import CameraFrame, CameraView
 from w2c_console.view import (
     FRAMES_KEPT,
