@@ -54,7 +54,7 @@ class ViewBuffer:
         A view of the same instant replaces the former. Time that jumps back is a robot that
         started anew: what was before means nothing then.
         """
-        if self._views and view.stamp_ns < next(iter(self._views)):
+        if self._views and view.stamp_ns < min(self._views):
             self._views.clear()
         self._views.pop(view.stamp_ns, None)
         self._views[view.stamp_ns] = view
@@ -67,6 +67,10 @@ class ViewBuffer:
     def clear(self) -> None:
         """Forget everything."""
         self._views.clear()
+
+    def stamps(self) -> list[int]:
+        """Return the stamps of what is remembered [ns], oldest first."""
+        return sorted(self._views)
 
     def get(self, stamp_ns: int) -> View:
         """Return the view of a stamp.
@@ -157,6 +161,18 @@ class StateBuffer:
         share = (stamp_ns - start) / (end - start)
         before_position, after_position = self._positions[after - 1], self._positions[after]
         position = (1.0 - share) * before_position + share * after_position
-        # The chord of a motion that reverses in between misses at most half of the step.
-        uncertainty = 0.5 * float(np.abs(after_position - before_position).max())
-        return InterpolatedPosition(position, min(share, 1.0 - share) * uncertainty)
+        return InterpolatedPosition(position, self._bend(after) * 0.5 * share * (1.0 - share))
+
+    def _bend(self, after: int) -> float:
+        """Return the largest second difference [rad] of the angles around an interval.
+
+        A motion q(t) misses its chord by s (1 - s) / 2 times it, where s is the share of the
+        interval. Without neighbours to tell, the step itself is taken.
+        """
+        rows = [
+            self._positions[i]
+            for i in range(max(0, after - 2), min(len(self._positions), after + 2))
+        ]
+        if len(rows) < 3:
+            return float(np.abs(rows[-1] - rows[0]).max())
+        return float(np.abs(np.diff(np.stack(rows), n=2, axis=0)).max())

@@ -13,7 +13,7 @@ Points = npt.NDArray[np.float64]
 
 TOLERANCE = 0.002
 """Points this close to a plane agree with it [m]"""
-HYPOTHESES = 120
+HYPOTHESES = 80
 EXTENT_TOLERANCE = 0.006
 """Depth this far from the plane is another surface [m]"""
 MAX_EXTENT = 0.25
@@ -67,16 +67,8 @@ def fit(points: Points, seed: Vector, depth_unit: float) -> Plane:
     Raises:
         RefusedError: all points lie on a line.
     """
-    rng = np.random.default_rng(0)
     tolerance = max(TOLERANCE, 2.0 * depth_unit)
-    pairs = rng.integers(len(points), size=(HYPOTHESES, 2))
-    normals = np.cross(points[pairs[:, 0]] - seed, points[pairs[:, 1]] - seed)
-    lengths = np.linalg.norm(normals, axis=1)
-    normals = normals[lengths > 1e-9] / lengths[lengths > 1e-9, None]
-    if len(normals) == 0:
-        raise RefusedError("the points around the pixel lie on a line; choose a wider surface")
-    agreement = np.abs((points - seed) @ normals.T) <= tolerance  # (n, hypotheses)
-    inliers = agreement[:, int(np.argmax(agreement.sum(axis=0)))]
+    inliers = _consensus(points, seed, tolerance)
     for _ in range(3):
         centre = points[inliers].mean(axis=0)
         normal = np.linalg.svd(points[inliers] - centre, full_matrices=False)[2][2]
@@ -88,6 +80,31 @@ def fit(points: Points, seed: Vector, depth_unit: float) -> Plane:
         normal = -normal
     spread = float(np.sqrt(np.mean(((points[inliers] - centre) @ normal) ** 2)))
     return Plane(normal, float(normal @ centre), spread, int(inliers.sum()))
+
+
+def _consensus(points: Points, seed: Vector, tolerance: float) -> npt.NDArray[np.bool_]:
+    """Return which points (n,) agree with the plane that most of them agree with.
+
+    Half of the candidates go through the seed and two points, for where its surface is a small
+    part of what is around; half through three points that pass close to the seed, for where it is
+    itself noisy.
+
+    Raises:
+        RefusedError: all points lie on a line.
+    """
+    rng = np.random.default_rng(0)
+    draws = rng.integers(len(points), size=(2 * HYPOTHESES, 3))
+    anchors = points[draws[:, 0]]
+    anchors[:HYPOTHESES] = seed
+    normals = np.cross(points[draws[:, 1]] - anchors, points[draws[:, 2]] - anchors)
+    lengths = np.linalg.norm(normals, axis=1)
+    normals = normals / np.maximum(lengths, 1e-12)[:, None]
+    offsets = np.einsum("ij,ij->i", normals, anchors)
+    possible = (lengths > 1e-9) & (np.abs(normals @ seed - offsets) <= 2.0 * tolerance)
+    if not possible.any():
+        raise RefusedError("the points around the pixel lie on a line; choose a wider surface")
+    agreement = np.abs(points @ normals[possible].T - offsets[possible]) <= tolerance
+    return np.asarray(agreement[:, int(np.argmax(agreement.sum(axis=0)))])
 
 
 def extent(depth: Depth, intrinsics: Intrinsics, plane: Plane, point: Vector) -> float:

@@ -6,10 +6,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
+from support.pictures import decoded
 from support.waiting import wait_until
 from w2c import topics
 from w2c.bus.inprocess import InProcessBus, InProcessHub
@@ -106,7 +106,7 @@ def test_a_frame_carries_the_stamp_of_the_truth_it_drew(rig: Rig) -> None:
     assert (received.message.width, received.message.height) == (1280, 720)
     assert received.message.frame == "rgbd_rgb_optical_frame"
     assert [made_of.sequence for made_of in received.envelope.inputs] == [sent.sequence]
-    image = cv2.imdecode(np.frombuffer(received.message.jpeg, np.uint8), 1)
+    image = decoded(received.message.jpeg)
     assert image.shape == (720, 1280, 3)
     # The same truth is not drawn twice.
     assert frames.receive(0.1) is None
@@ -132,7 +132,7 @@ def test_a_picture_from_outside_has_the_size_that_was_asked_for(rig: Rig) -> Non
         topics.PICTURE, PictureRequest(view="side", width=160, height=120)
     ).message
 
-    assert cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), 1).shape == (120, 160, 3)
+    assert decoded(picture.jpeg).shape == (120, 160, 3)
 
 
 def test_a_robot_with_another_scene_is_counted_not_drawn(rig: Rig) -> None:

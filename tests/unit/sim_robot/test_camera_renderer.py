@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-import cv2
 import mujoco
 import numpy as np
 import pytest
 
+from support.pictures import decoded
 from w2c.depth import decode_depth
 from w2c.errors import ConfigError
 from w2c.geometry import Intrinsics
@@ -95,7 +95,7 @@ def test_a_pretty_frame_has_the_same_size_and_the_same_depth(studio: Studio) -> 
     first = decode_depth(plain.depth, 1280, 720)
     second = decode_depth(pretty.depth, 1280, 720)
 
-    assert cv2.imdecode(np.frombuffer(pretty.jpeg, np.uint8), 1).shape == (720, 1280, 3)
+    assert decoded(pretty.jpeg).shape == (720, 1280, 3)
     assert pretty.jpeg != plain.jpeg
     # Half a pixel of a tilted table, and other surfaces at edges only.
     assert np.median(np.abs(first - second)) < 0.001
@@ -108,7 +108,7 @@ def test_pictures_from_outside_show_the_robot(studio: Studio, view: str) -> None
 
     picture = studio.picture(7, request)
 
-    image = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), 1)
+    image = decoded(picture.jpeg)
     assert image.shape == (240, 320, 3)
     assert image.std() > 25
     geoms = studio.renderer.segment(studio.data, view, size=(320, 240))

@@ -1,4 +1,4 @@
-"""Scenes by chance: reproducible, on the furniture, apart from one another, judged on unseen pairs."""
+"""Scenes by chance: reproducible, on the furniture, apart, judged on unseen pairs."""
 
 from itertools import combinations
 

@@ -61,7 +61,7 @@ def test_what_types_cannot_say_is_checked() -> None:
 
 
 def test_an_unknown_object_is_answered_with_the_known_ones() -> None:
-    with pytest.raises(ConfigError, match="no object 'spoon'.*book, cup"):
+    with pytest.raises(ConfigError, match=r"no object 'spoon'.*book, cup"):
         scenario_a(distractors=False).object("spoon")
 
 

@@ -1,7 +1,6 @@
 """Pictures of random scenes agree with the truth written beside them."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from support.pictures import read
 from w2c.geometry import Intrinsics, inverse
 from w2c_sim_robot.scenes import __main__ as scenes_command
 from w2c_sim_robot.scenes.render import DEPTH_UNIT, render
@@ -19,11 +19,11 @@ COUNT = 8
 
 
 @pytest.fixture(scope="module")
-def rendered(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, list[Any]]]:
-    """Yield a directory of pictures, and what their truth files say."""
+def rendered(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Any]]:
+    """Return a directory of pictures, and what their truth files say."""
     directory = tmp_path_factory.mktemp("pictures")
     paths = list(render(directory, 40, COUNT, SIZE, depth=True))
-    yield directory, [json.loads(path.read_text()) for path in paths]
+    return directory, [json.loads(path.read_text()) for path in paths]
 
 
 def test_each_seed_gives_its_files(rendered: tuple[Path, list[Any]]) -> None:
@@ -31,7 +31,7 @@ def test_each_seed_gives_its_files(rendered: tuple[Path, list[Any]]) -> None:
 
     assert [truth["seed"] for truth in truths] == list(range(40, 40 + COUNT))
     for truth in truths:
-        picture = cv2.imread(str(directory / truth["image"]))
+        picture = read(directory / truth["image"])
         assert picture.shape == (SIZE[1], SIZE[0], 3)
         assert picture.std() > 10
 
@@ -42,7 +42,7 @@ def test_boxes_and_pixel_counts_are_those_of_the_identity_picture(
     directory, truths = rendered
     visible = 0
     for truth in truths:
-        identity = cv2.imread(str(directory / truth["identity"]), cv2.IMREAD_UNCHANGED)
+        identity = read(directory / truth["identity"])
         for item in truth["objects"]:
             rows, columns = np.nonzero(identity == item["id"])
             assert item["visible_pixels"] == len(rows)
@@ -69,7 +69,7 @@ def test_an_object_is_seen_where_its_pose_says(rendered: tuple[Path, list[Any]])
             middle = np.array([*item["position"][:2], item["position"][2] + item["size"][2] / 2, 1])
             u, v = intrinsics.pixel_from_point((camera_from_world @ middle)[:3])
             left, top, right, bottom = item["box"]
-            if 2 < left and right < SIZE[0] - 2 and 2 < top and bottom < SIZE[1] - 2:
+            if left > 2 and right < SIZE[0] - 2 and top > 2 and bottom < SIZE[1] - 2:
                 checked += 1
                 assert left <= u <= right
                 assert top <= v <= bottom
@@ -81,8 +81,8 @@ def test_a_thing_has_the_colour_that_the_truth_names(rendered: tuple[Path, list[
     checked = 0
     hues = {"red": 0, "green": 65, "blue": 112, "yellow": 25}
     for truth in truths:
-        hsv = cv2.cvtColor(cv2.imread(str(directory / truth["image"])), cv2.COLOR_BGR2HSV)
-        identity = cv2.imread(str(directory / truth["identity"]), cv2.IMREAD_UNCHANGED)
+        hsv = cv2.cvtColor(read(directory / truth["image"]), cv2.COLOR_BGR2HSV)
+        identity = read(directory / truth["identity"])
         for item in truth["objects"][1:]:
             if item["colour"] not in hues or item["visible_pixels"] < 300:
                 continue
@@ -97,8 +97,8 @@ def test_a_thing_has_the_colour_that_the_truth_names(rendered: tuple[Path, list[
 def test_depth_puts_the_table_top_at_its_height(rendered: tuple[Path, list[Any]]) -> None:
     directory, truths = rendered
     for truth in truths:
-        depth = cv2.imread(str(directory / f"{truth['seed']:07d}_depth.png"), cv2.IMREAD_UNCHANGED)
-        identity = cv2.imread(str(directory / truth["identity"]), cv2.IMREAD_UNCHANGED)
+        depth = read(directory / f"{truth['seed']:07d}_depth.png")
+        identity = read(directory / truth["identity"])
         rows, columns = np.nonzero(identity == truth["objects"][0]["id"])
         z = depth[rows, columns] * DEPTH_UNIT
         fx, fy, cx, cy = truth["intrinsics"]
