@@ -1,1 +1,1 @@
-"""From words to a confirmed contact: the conversation, the prompts, and the modules of the paper."""
+"""From words to a confirmed contact: conversation, prompts, and the modules of the paper."""

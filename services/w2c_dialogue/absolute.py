@@ -1,4 +1,7 @@
-"""Absolute prediction: the place is on an object (paper, "Absolute Positions": the maximum of its heatmap)."""
+"""Absolute prediction: the place is on an object.
+
+Paper, Methods, "Absolute Positions": the maximum of the object's heatmap.
+"""
 
 from w2c.errors import RefusedError
 from w2c_dialogue.interfaces import Frame, Grounding

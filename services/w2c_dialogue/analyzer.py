@@ -1,12 +1,19 @@
-"""Prompt analyzer: which objects, and is the place on them or relative to them? (Paper, "Prompt Analyzer".)"""
+"""Prompt analyzer: which objects, and is the place on them or relative to them?
+
+Paper, Methods, "Prompt Analyzer".
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from w2c.errors import ModelError
 from w2c_dialogue.answers import AnalysisAnswer, ObjectsAnswer, read
 from w2c_dialogue.interfaces import LanguageModel
 from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.utterance import Mention, Utterance
+
+MAX_PHRASE = 100
+"""Characters; the grounding service takes no more."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +35,7 @@ def analyze(model: LanguageModel, prompts: PromptSet, utterance: Utterance) -> A
 def objects_of_correction(
     model: LanguageModel, prompts: PromptSet, utterance: Utterance
 ) -> tuple[Mention, ...]:
-    """Return the objects a correction speaks of; most speak of none. Raises ModelError, CallError."""
+    """Return the objects a correction speaks of, often none. Raises ModelError, CallError."""
     answer = read(model.complete(prompts.objects(utterance)), ObjectsAnswer)
     return _mentions(prompts, utterance, answer.objects)
 
@@ -40,6 +47,8 @@ def _mentions(
     mentions: list[Mention] = []
     for entry in entries:
         mention = prompts.read_mention(entry, utterance)
+        if len(mention.phrase) > MAX_PHRASE:
+            raise ModelError(f"'{mention.phrase[:40]}...' is too long for the name of an object")
         if mention.phrase and not any(_overlap(mention, known) for known in mentions):
             mentions.append(mention)
     return tuple(mentions)

@@ -43,7 +43,7 @@ class EffectorAnswer(msgspec.Struct, frozen=True):
 
 
 def read(value: Any, answer_type: type[A]) -> A:
-    """Validate a decoded answer. Fields a prompt set asks for beside (a chain of thought) are ignored."""
+    """Validate a decoded answer; other fields (a chain of thought) are ignored."""
     try:
         return msgspec.convert(value, answer_type, strict=True)
     except msgspec.ValidationError as error:

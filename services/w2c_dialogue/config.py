@@ -11,7 +11,7 @@ class DialogueConfig(ServiceConfig, frozen=True, kw_only=True):
     """The conversation with the operator: words, clicks and confirmations to targets and goals."""
 
     prompts: Literal["embedded", "large"] = "embedded"
-    """Prompt set: `embedded` for the model shipped with this repository, `large` for any general model."""
+    """Prompt set: `embedded` for the model of this repository, `large` for any general model."""
     seed: int = 0
     """Seed of the language model's answers."""
     model_timeout: Annotated[float, msgspec.Meta(gt=0, le=600)] = 30.0

@@ -1,4 +1,4 @@
-"""What has been said and shown: the target, its history, the goal that is under way. No input, no output.
+"""What has been said and shown: the target, its history, the goal that is under way.
 
 States: nothing shown -> proposed -> confirmed (the robot moves) -> reached | in contact |
 abandoned -> nothing shown. A new prediction replaces the old target; each change of the point
@@ -33,7 +33,7 @@ class Shown:
     task: Task | None = None
 
     def scene(self, at: tuple[float, float], pixels_per_cm: float) -> CorrectionScene:
-        """Return what a correction may refer to, with the target at this pixel of the present picture."""
+        """Return what a correction may refer to, with the target at this pixel now."""
         du, dv = at[0] - self.target.u, at[1] - self.target.v
         return CorrectionScene(
             target=at,
@@ -59,7 +59,7 @@ class Goal:
 
 @dataclass
 class Conversation:
-    """The state of one conversation. `prefix` makes the ids of one process differ from those of the next."""
+    """The state of one conversation. `prefix` tells the ids of one process from the next's."""
 
     prefix: str
     shown: Shown | None = None
@@ -70,15 +70,22 @@ class Conversation:
         self,
         prediction: Prediction,
         frame: Frame,
+        *,
         instruction: str,
         lifted: LiftReply | None,
         warnings: tuple[str, ...] = (),
-        *,
         effector: EndEffector | None = None,
         task: Task | None = None,
     ) -> Target:
         """Show a new target instead of the old one."""
-        target = self._target(prediction, frame, instruction, lifted, warnings, corrections=0)
+        target = self._target(
+            prediction,
+            frame,
+            instruction=instruction,
+            lifted=lifted,
+            warnings=warnings,
+            corrections=0,
+        )
         self.shown = Shown(
             target, frame, (prediction.u, prediction.v), effector=effector, task=task
         )
@@ -89,21 +96,21 @@ class Conversation:
         prediction: Prediction,
         scene: CorrectionScene,
         frame: Frame,
+        *,
         said: str,
         lifted: LiftReply | None,
         warnings: tuple[str, ...] = (),
-        *,
         undo: bool = False,
     ) -> Target:
-        """Move the shown target, seen from `scene`, and remember how. An undo forgets the last move."""
+        """Move the target that is at `scene.target`, and remember how. An undo forgets a move."""
         shown = self.require_shown()
         target = self._target(
             prediction,
             frame,
-            shown.target.instruction,
-            lifted,
-            warnings,
-            shown.target.corrections + 1,
+            instruction=shown.target.instruction,
+            lifted=lifted,
+            warnings=warnings,
+            corrections=shown.target.corrections + 1,
         )
         moves, instructions = shown.moves[:-1], shown.instructions[:-1]
         if not undo:
@@ -167,7 +174,7 @@ class Conversation:
         return target
 
     def progress(self, event: GoalEvent, now_ns: int) -> tuple[Goal, Target] | None:
-        """Follow the goal. Returns it with its target when it is over, None before and for other goals."""
+        """Follow the goal. Returns it with its target when it is over, else None."""
         goal = self.goal
         if goal is None or event.goal_id != goal.goal_id:
             return None
@@ -192,6 +199,7 @@ class Conversation:
         self,
         prediction: Prediction,
         frame: Frame,
+        *,
         instruction: str,
         lifted: LiftReply | None,
         warnings: tuple[str, ...],

@@ -1,4 +1,7 @@
-"""Correction: move the shown point, with or without objects, knowing what was said before (paper, "Correction Module")."""
+"""Correction: move the shown point, with or without objects, knowing what was said before.
+
+Paper, Methods, "Correction Module".
+"""
 
 from dataclasses import dataclass, replace
 
@@ -23,7 +26,7 @@ class CorrectedPoint:
 
     prediction: Prediction
     undo: bool
-    """It takes back the last correction, which is then forgotten: a second undo takes back the one before."""
+    """It takes back the last correction, which is then forgotten: undo can be said twice."""
 
 
 def correct(
@@ -31,6 +34,7 @@ def correct(
     prompts: PromptSet,
     grounding: Grounding,
     frame: Frame,
+    *,
     utterance: Utterance,
     scene: CorrectionScene,
 ) -> CorrectedPoint:

@@ -19,5 +19,5 @@ def choose_effector(
 
 
 def nearest_hand(point: Array) -> EndEffector:
-    """Return the hand on the side of a point (3,) in the world; y points to the robot's left [m]."""
+    """Return the hand on the side of a point (3,) in the world [m]; y is to the left."""
     return "right_hand" if point[1] < 0.0 else "left_hand"

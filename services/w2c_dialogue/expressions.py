@@ -77,7 +77,7 @@ def evaluate_point(
 
 
 def object_symbols(boxes: Sequence[Box], pixels_per_cm: float) -> dict[str, float]:
-    """Return the symbols of objects, named `a`, `b`, `c` in order of mention, and of the scale `cm` [px]."""
+    """Return the symbols of objects, `a`, `b`, `c` in order of mention, and of `cm` [px]."""
     symbols = {"cm": pixels_per_cm}
     for letter, box in zip(LETTERS, boxes, strict=False):
         symbols |= {
@@ -94,7 +94,7 @@ def object_symbols(boxes: Sequence[Box], pixels_per_cm: float) -> dict[str, floa
 
 
 def correction_symbols(scene: CorrectionScene) -> dict[str, float]:
-    """Return the symbols of a correction: the objects', `target`, `start`, `last` = `moves[-1]`, `moves[-2]` ..."""
+    """Return the objects' symbols, `target`, `start`, `last` = `moves[-1]`, `moves[-2]` ..."""
     symbols = object_symbols([o.box for o in scene.objects], scene.pixels_per_cm)
     symbols |= {"target.u": scene.target[0], "target.v": scene.target[1]}
     symbols |= {"start.u": scene.start[0], "start.v": scene.start[1]}

@@ -42,7 +42,7 @@ class FrameStore:
             self._changed.notify_all()
 
     def find(self, stamp_ns: int, wait_s: float = 0.0) -> Frame:
-        """Return the picture of a stamp, the newest for -1; waits so long for it and for its camera pose.
+        """Return the picture of a stamp, the newest for -1; waits for it and for its camera pose.
 
         Raises:
             RefusedError: there is no such picture; says what to do.
@@ -71,7 +71,7 @@ class FrameStore:
         return known[-1] if known else next(reversed(self._frames))
 
     def _complete(self, stamp_ns: int) -> bool:
-        """Say whether nothing more is to be expected for a stamp: no picture, or one that is too old."""
+        """Say whether nothing more is to be expected for a stamp."""
         stamp = self._resolve(stamp_ns)
         if stamp not in self._frames:
             return not self._frames or stamp < next(reversed(self._frames))
@@ -79,7 +79,7 @@ class FrameStore:
 
 
 def project(point: Array, view: CameraView) -> tuple[float, float] | None:
-    """Return the pixel of a point (3,) of the world [m] in a view; None where it is not in the picture."""
+    """Return the pixel of a point (3,) of the world [m]; None where it is not in the picture."""
     in_camera = geometry.apply(geometry.inverse(np.asarray(view.world_from_camera)), point)
     try:
         u, v = geometry.Intrinsics(*view.intrinsics).pixel_from_point(in_camera)
@@ -89,7 +89,7 @@ def project(point: Array, view: CameraView) -> tuple[float, float] | None:
 
 
 def pixels_per_cm(point: Array | None, view: CameraView | None) -> float:
-    """Return the scale of the picture at a point of the world: f / z; 10 px where depth is unknown."""
+    """Return the scale of the picture at a point of the world, f / z; 10 px without depth."""
     if point is None or view is None:
         return DEFAULT_PIXELS_PER_CM
     depth = float(geometry.apply(geometry.inverse(np.asarray(view.world_from_camera)), point)[2])

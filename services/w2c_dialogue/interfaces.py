@@ -54,7 +54,7 @@ class Lift(Protocol):
     """Knows the depth of a frame."""
 
     def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
-        """Return the point of the world behind a pixel. Raises RefusedError where there is no depth."""
+        """Return the world point behind a pixel. Raises RefusedError where there is no depth."""
 
 
 class Controller(Protocol):

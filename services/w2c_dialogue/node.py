@@ -55,9 +55,15 @@ class DialogueNode:
         self._clock = clock
         self._frames = FrameStore()
         services = RemoteServices(bus, seed=config.seed, model_timeout_s=config.model_timeout)
-        prompts = PROMPT_SETS[config.prompts]()
         self._dialogue = Dialogue(
-            services, services, services, services, prompts, self._frames, clock, bus.boot_id[:6]
+            services,
+            services,
+            services,
+            services,
+            prompts=PROMPT_SETS[config.prompts](),
+            frames=self._frames,
+            clock=clock,
+            prefix=bus.boot_id[:6],
         )
         self._target: Target | None = None
         self._stop = threading.Event()

@@ -1,4 +1,4 @@
-"""One turn of the conversation: words, a click or a yes in; a `Turn` out (paper, Methods, overview figure).
+"""One turn of the conversation: words, a click or a yes in; a `Turn` out (paper, Fig. 2).
 
 Every failure is a turn with `ok=False` and a reply that says what to do. Nothing moves without a
 confirmation that names the target on the screen.
@@ -8,37 +8,36 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from w2c.clock import Clock
 from w2c.errors import CallError, DeadlineError, RefusedError, W2CError
 from w2c.messages import (
     ConfirmRequest,
+    EndEffector,
     GoalEvent,
     LiftReply,
     PlaceGoal,
     PointRequest,
     SayRequest,
     Target,
+    Task,
     Turn,
 )
 from w2c_dialogue import absolute, effector, relative, replies
 from w2c_dialogue.analyzer import analyze
 from w2c_dialogue.conversation import Conversation, Goal, Shown
 from w2c_dialogue.corrector import correct
-from w2c_dialogue.frames import FrameStore, pixels_per_cm, project
+from w2c_dialogue.frames import FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
-from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
+from w2c_dialogue.locating import locate
+from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.selector import select
 from w2c_dialogue.sight import Prediction
 from w2c_dialogue.steps import Services, Steps
+from w2c_dialogue.stop_words import is_stop
 from w2c_dialogue.utterance import Utterance, parse
 
 FRAME_WAIT_S = 0.5
-"""A picture the operator already saw may still be on its way here, or its camera pose [s]."""
-STOP_WORDS = frozenset({"stop", "halt", "freeze"})
-STOP_LENGTH = 3
-"""`stop`, `robot stop now`: longer sentences with the word are for the model."""
+"""A picture the operator saw, or its camera pose, may still be on its way [s]."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,10 @@ class Outcome:
 
 
 class Dialogue:
-    """The modules of the paper around one conversation. Thread-safe; one turn at a time, but stop never waits."""
+    """The modules of the paper around one conversation.
+
+    Thread-safe. One turn at a time; only stop never waits.
+    """
 
     def __init__(
         self,
@@ -61,6 +63,7 @@ class Dialogue:
         grounding: Grounding,
         lift: Lift,
         controller: Controller,
+        *,
         prompts: PromptSet,
         frames: FrameStore,
         clock: Clock,
@@ -100,7 +103,7 @@ class Dialogue:
         return None if over is None else self._ended(*over)
 
     def lose_goal(self, goal_id: str, reason: str) -> Turn | None:
-        """Give up a goal of which the controller knows nothing any more; None if it is over already."""
+        """Give up a goal the controller does not know any more; None if it is over already."""
         with self._turn:
             goal = self._conversation.goal
             if goal is None or goal.goal_id != goal_id:
@@ -112,7 +115,7 @@ class Dialogue:
         """Return the goal under way."""
         return self._conversation.goal
 
-    # --- turns -----------------------------------------------------------------------------------------------------
+    # --- turns ---
 
     def _take_turn(self, text: str, work: Callable[[Services], Outcome]) -> Turn:
         steps = Steps(self._clock)
@@ -158,10 +161,18 @@ class Dialogue:
         else:
             scale = pixels_per_cm(None, frame.view)
             prediction = relative.predict(
-                services, self._prompts, services, frame, utterance, analysis.mentions, scale
+                services,
+                self._prompts,
+                services,
+                frame,
+                utterance=utterance,
+                mentions=analysis.mentions,
+                pixels_per_cm=scale,
             )
         lifted, warnings = self._depth(prediction, frame, services)
-        target = self._conversation.propose(prediction, frame, utterance.text, lifted, warnings)
+        target = self._conversation.propose(
+            prediction, frame, instruction=utterance.text, lifted=lifted, warnings=warnings
+        )
         return Outcome(
             f"prediction.{analysis.position}", replies.proposal(target, analysis.position), target
         )
@@ -170,15 +181,17 @@ class Dialogue:
         self, utterance: Utterance, shown: Shown, frame: Frame, services: Services
     ) -> Outcome:
         frame, scene = locate(shown, frame)
-        corrected = correct(services, self._prompts, services, frame, utterance, scene)
+        corrected = correct(
+            services, self._prompts, services, frame, utterance=utterance, scene=scene
+        )
         lifted, warnings = self._depth(corrected.prediction, frame, services)
         target = self._conversation.correct(
             corrected.prediction,
             scene,
             frame,
-            utterance.text,
-            lifted,
-            warnings,
+            said=utterance.text,
+            lifted=lifted,
+            warnings=warnings,
             undo=corrected.undo,
         )
         du, dv = target.u - scene.target[0], target.v - scene.target[1]
@@ -198,9 +211,9 @@ class Dialogue:
         target = self._conversation.propose(
             prediction,
             frame,
-            instruction,
-            lifted,
-            warnings,
+            instruction=instruction,
+            lifted=lifted,
+            warnings=warnings,
             effector=request.end_effector,
             task=request.task,
         )
@@ -213,27 +226,12 @@ class Dialogue:
             shown = self._conversation.lifted(
                 services.lift(shown.target.u, shown.target.v, shown.target.frame_stamp_ns)
             )
-        point, normal = shown.target.point, shown.target.normal
-        if point is None or normal is None:
-            raise RefusedError(
-                "There is no depth at the target. Move it a bit, then confirm again."
-            )
-        named, task = shown.effector, shown.task
-        if (named is None or task is None) and shown.target.instruction:
-            heard = effector.choose_effector(
-                services, self._prompts, parse(shown.target.instruction)
-            )
-            named, task = named or heard[0], task or heard[1]
-        limb = named or effector.nearest_hand(point)
-        task = task or "contact"
+        limb, task, assumed = self._limb_and_task(shown, services)
         if self._stops != stops:
             raise RefusedError(
                 "You said stop meanwhile; I did not move. Confirm again to go there."
             )
-        goal_id = self._conversation.next_id("goal")
-        request = PlaceGoal(
-            goal_id=goal_id, end_effector=limb, task=task, point=point, normal=normal
-        )
+        request = _goal(self._conversation.next_id("goal"), shown.target, limb, task)
         try:
             services.place(request)
         except DeadlineError as error:
@@ -241,10 +239,20 @@ class Dialogue:
                 f"The controller did not answer in time ({error}). It may still move: watch it, "
                 "and say stop to hold."
             ) from error
-        target = self._conversation.confirm(goal_id, limb, task, self._clock.now_ns())
-        goal = self._conversation.goal
-        reply = replies.confirmed(limb, task, assumed=named is None)
-        return Outcome("confirmation", reply, target, goal)
+        target = self._conversation.confirm(request.goal_id, limb, task, self._clock.now_ns())
+        reply = replies.confirmed(limb, task, assumed=assumed)
+        return Outcome("confirmation", reply, target, self._conversation.goal)
+
+    def _limb_and_task(self, shown: Shown, services: Services) -> tuple[EndEffector, Task, bool]:
+        """Return what shall go to the target, what for, and whether the limb is only assumed."""
+        named, task = shown.effector, shown.task
+        if (named is None or task is None) and shown.target.instruction:
+            instruction = parse(shown.target.instruction)
+            heard = effector.choose_effector(services, self._prompts, instruction)
+            named, task = named or heard[0], task or heard[1]
+        if named is None and shown.target.point is not None:
+            return effector.nearest_hand(shown.target.point), task or "contact", True
+        return named or "right_hand", task or "contact", named is None
 
     def _stop(self, text: str) -> Turn:
         """Hold the robot, whatever else goes on."""
@@ -257,12 +265,12 @@ class Dialogue:
             outcome = Outcome("none", reply, ok=False)
         return self._report(text, outcome, steps)
 
-    # --- helpers ---------------------------------------------------------------------------------------------------
+    # --- helpers ---
 
     def _depth(
         self, prediction: Prediction, frame: Frame, services: Services
     ) -> tuple[LiftReply | None, tuple[str, ...]]:
-        """Return the world point of a pixel, or why there is none: the target is shown in any case."""
+        """Return the world point of a pixel, or why there is none: the target is shown anyway."""
         try:
             return services.lift(prediction.u, prediction.v, frame.stamp_ns), ()
         except RefusedError as error:
@@ -295,35 +303,13 @@ class Dialogue:
         )
 
 
-def is_stop(text: str) -> bool:
-    """Say whether an utterance is an order to hold. No model is asked: it must work when all models are dead."""
+def _goal(goal_id: str, target: Target, limb: EndEffector, task: Task) -> PlaceGoal:
+    """Return the goal of a target. Raises RefusedError for one without depth, or where nothing is."""
+    if target.point is None or target.normal is None:
+        raise RefusedError("There is no depth at the target. Move it a bit, then confirm again.")
     try:
-        words = [word.rstrip(",") for word in parse(text).folded]
-    except RefusedError:
-        return False
-    return len(words) <= STOP_LENGTH and bool(STOP_WORDS & {words[0], words[-1]})
-
-
-def locate(shown: Shown, frame: Frame) -> tuple[Frame, CorrectionScene]:
-    """Find the target in the picture the operator sees now.
-
-    The picture may be newer than the target's: then the target is its 3D point, projected. Without
-    depth or camera pose the target stays in its own picture.
-
-    Raises:
-        RefusedError: the target is not in the present picture.
-    """
-    point, view = shown.target.point, frame.view
-    if point is None or view is None or frame.stamp_ns == shown.frame.stamp_ns:
-        scale = pixels_per_cm(point, shown.frame.view)
-        return shown.frame, shown.scene((shown.target.u, shown.target.v), scale)
-    scale = pixels_per_cm(point, view)
-    before = shown.frame.view
-    if before is not None and np.allclose(
-        before.world_from_camera, view.world_from_camera, atol=1e-4
-    ):
-        return frame, shown.scene((shown.target.u, shown.target.v), scale)
-    at = project(point, view)
-    if at is None:
-        raise RefusedError("The target is not in the picture you see. Name the place again.")
-    return frame, shown.scene(at, scale)
+        return PlaceGoal(
+            goal_id=goal_id, end_effector=limb, task=task, point=target.point, normal=target.normal
+        )
+    except ValueError as error:
+        raise RefusedError(f"The robot cannot go to that point ({error}). Name another.") from error

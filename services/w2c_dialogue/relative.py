@@ -17,11 +17,12 @@ def predict(
     prompts: PromptSet,
     grounding: Grounding,
     frame: Frame,
+    *,
     utterance: Utterance,
     mentions: Sequence[Mention],
     pixels_per_cm: float,
 ) -> Prediction:
-    """Return the point that the words describe, by arithmetic of a model on the boxes of the objects.
+    """Return the point that the words describe, by a model's arithmetic on the boxes.
 
     Raises:
         RefusedError: an object is not seen.

@@ -1,11 +1,11 @@
-"""The other services, behind the interfaces of this one. Each call has a deadline and leaves a trace on the bus."""
+"""The other services, behind the interfaces of this one. Each call has a deadline and a trace."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from w2c import topics
 from w2c.bus import Bus
-from w2c.errors import W2CError
+from w2c.errors import RefusedError, W2CError
 from w2c.messages import (
     ChooseRequest,
     CompleteRequest,
@@ -72,18 +72,19 @@ class RemoteServices:
         """Hold the robot: its driver first, which needs nobody else, then the controller.
 
         Raises:
-            W2CError: the driver did not acknowledge.
+            RefusedError: the driver did not acknowledge; says whether the controller did.
         """
         request = StopRequest(reason=reason)
         try:
-            reply = self._bus.call(topics.ROBOT_STOP, request).message
-        finally:
-            controller = self._stop_controller(request)
-        return f"The robot holds ({reply.mode}); {controller}. `w2c resume` lets it move again."
+            mode = self._bus.call(topics.ROBOT_STOP, request).message.mode
+        except W2CError as error:
+            raise RefusedError(f"{error}; {self._stop_controller(request)}") from error
+        controller = self._stop_controller(request)
+        return f"The robot holds ({mode}); {controller}. `w2c resume` lets it move again."
 
     def _stop_controller(self, request: StopRequest) -> str:
         try:
             self._bus.call(topics.CONTROLLER_STOP, request)
         except W2CError as error:
-            return f"the controller did not acknowledge ({error}), the driver obeys no one else"
+            return f"the controller did not acknowledge ({error})"
         return "the controller knows"

@@ -26,7 +26,10 @@ def failure(error: W2CError, step: str) -> str:
     if isinstance(error, ModelError):
         return f"I could not follow that ({error}). Nothing changed; please say it in other words."
     if isinstance(error, UnavailableError):
-        return f"The {service} is not there ({error}). Nothing changed; look at `w2c status` and say it again."
+        return (
+            f"The {service} is not there ({error}). "
+            "Nothing changed; look at `w2c status` and say it again."
+        )
     if isinstance(error, DeadlineError):
         return (
             f"The {service} did not answer in time ({error}). Nothing changed; please say it again."
@@ -67,7 +70,8 @@ def confirmed(effector: EndEffector, task: Task, *, assumed: bool) -> str:
 
 def moving(goal: Goal) -> str:
     """Return the answer to anything said while the robot moves."""
-    return f"I am moving my {goal.effector.replace('_', ' ')} to the target. Wait until I am there, or say stop."
+    limb = goal.effector.replace("_", " ")
+    return f"I am moving my {limb} to the target. Wait until I am there, or say stop."
 
 
 def arrived(goal: Goal, target: Target) -> str:
@@ -77,7 +81,8 @@ def arrived(goal: Goal, target: Target) -> str:
         return f"My {limb} is in contact and carries weight."
     if target.state == "reached":
         return f"My {limb} has reached the target."
-    return f"I gave up on the target: {target.warning or 'the controller ended the motion'}. Name another place."
+    reason = target.warning or "the controller ended the motion"
+    return f"I gave up on the target: {reason}. Name another place."
 
 
 def _with_warning(text: str, target: Target) -> str:

@@ -1,4 +1,7 @@
-"""Module selector: is this a new instruction, a correction, or a yes? (Paper, Methods, "Module Selector".)"""
+"""Module selector: is this a new instruction, a correction, or a yes?
+
+Paper, Methods, "Module Selector".
+"""
 
 from dataclasses import dataclass
 
@@ -27,7 +30,7 @@ class Selection:
 
 
 def log_prior(*, has_target: bool) -> dict[str, float]:
-    """Return the paper's bias of the options: without a target there is nothing to correct or to confirm."""
+    """Return the paper's bias: without a target there is nothing to correct or to confirm."""
     return {} if has_target else {"correction": IMPOSSIBLE, "confirmation": IMPOSSIBLE}
 
 

@@ -15,7 +15,7 @@ from w2c.errors import ModelError, RefusedError
 MAX_WORDS = 60
 MAX_CHARACTERS = 500
 LETTERS = "abc"
-"""Names of the objects of an utterance, in order of mention; no instruction needs more than three."""
+"""Names of objects in order of mention; no instruction needs more than three."""
 
 _OUTER = '.!?;:"()[]{}<>`*_~|\\/'
 _QUOTES = str.maketrans({"\u2019": "'", "\u2018": "'", "\u201c": '"', "\u201d": '"', "`": "'"})

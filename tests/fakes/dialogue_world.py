@@ -1,4 +1,4 @@
-"""A language model, a grounding service, perception and a controller that do what a test tells them."""
+"""Language model, grounding, perception and controller that do what a test tells them."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
@@ -12,7 +12,7 @@ from w2c_dialogue.prompts.base import Question
 
 
 class ScriptedModel:
-    """Answers by task; an answer that is an exception is raised. The last answer of a task repeats."""
+    """Answers by task; an exception is raised. The last answer of a task repeats."""
 
     def __init__(self, **answers: Sequence[Any]) -> None:
         self.answers = {task: list(queue) for task, queue in answers.items()}
@@ -45,7 +45,7 @@ class ScriptedModel:
 
 
 class KnownThings:
-    """Grounding that knows the boxes of some phrases: (left, top, right, bottom), or a list of them."""
+    """Grounding that knows some phrases: (left, top, right, bottom), or a list of them."""
 
     def __init__(self, **things: Any) -> None:
         self.things = {name.replace("_", " "): value for name, value in things.items()}
@@ -85,6 +85,7 @@ class TableTop:
     def __init__(self) -> None:
         self.error: W2CError | None = None
         self.asked: list[tuple[float, float, int]] = []
+        self.reach = 0.6
 
     def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
         """Return a point of the table."""
@@ -92,7 +93,7 @@ class TableTop:
         if self.error is not None:
             raise self.error
         return LiftReply(
-            point=np.array([0.6, (640.0 - u) / 1000.0, 0.8]),
+            point=np.array([self.reach, (640.0 - u) / 1000.0, 0.8]),
             normal=np.array([0.0, 0.0, 1.0]),
             error_bound=0.002,
             flatness=0.001,

@@ -1,1 +1,1 @@
-"""The corpus the embedded language model learns from: how people tell a robot where to put its hands."""
+"""What the embedded language model learns from: how people tell a robot where to put its hands."""

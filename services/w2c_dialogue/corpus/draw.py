@@ -6,6 +6,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from w2c_dialogue.corpus.things import names
+
 T = TypeVar("T")
 
 HELD_OUT_SHARE = 10
@@ -15,24 +17,21 @@ SMALLEST_SPLIT = 20
 FRESH_SHARE = 0.6
 """How often the held-out set takes an unseen entry where there is one."""
 COMMON = frozenset(
-    """
-    table|wooden|on top of|onto|grab|touch|get|please|push|i want you to|i need you to|i'd like you to|then|stop|
-    the other way|wrong side|undo the last move|okay|confirm|proceed|nice|it's good|it is good|that is perfect|
-    do that again|half of that|half as much|move your right hand|move your left hand|place it|arm|top|other|
-    leftmost|over there|in front of you|on the right|counter|fence|pink|cardboard|empty|roger|there|well done|
-    wrong side|for me|twice as far|toolbox|cone|drill
-    """.replace("\n", " ")
-    .replace("  ", "")
-    .replace("| ", "|")
-    .strip()
-    .split("|")
+    names("""
+table, wooden, on top of, onto, grab, touch, get, please, push, i want you to, i need you to, i'd
+like you to, then, stop, the other way, wrong side, undo the last move, okay, confirm, proceed,
+nice, it's good, it is good, that is perfect, do that again, half of that, half as much, move your
+right hand, move your left hand, place it, arm, top, other, leftmost, over there, in front of you,
+on the right, counter, fence, pink, cardboard, empty, roger, there, well done, for me, twice as far,
+toolbox, cone, drill
+""")
 )
 """Words without which nobody talks: always in training."""
 _BLOCK = 8192
 
 
 class Draw:
-    """A source of choices. `held_out` draws entries that training never sees, where a list has them."""
+    """A source of choices. `held_out` prefers entries that training never sees."""
 
     def __init__(self, generator: np.random.Generator, *, held_out: bool) -> None:
         self._generator = generator

@@ -1,4 +1,4 @@
-"""Lines of the corpus: a question exactly as it is asked at run time, and the answer that is right."""
+"""Lines of the corpus: a question exactly as it is asked at run time, and the right answer."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -146,11 +146,8 @@ def _scene_objects(draw: Draw, scene: str, count: int) -> list[SceneObject]:
     """Return boxes of which the facts in `scene` are true."""
     u, v = draw.between(100, WIDTH - 100), draw.between(100, HEIGHT - 100)
     if scene in ("A left", "A middle", "A right"):
-        u = (
-            WIDTH
-            * ({"A left": 0, "A middle": 1, "A right": 2}[scene] + draw.between(0.02, 0.98))
-            / 3.0
-        )
+        third = ("A left", "A middle", "A right").index(scene)
+        u = WIDTH * (third + draw.between(0.02, 0.98)) / 3.0
     centres = [(u, v)]
     relations = {"left": (1, 0), "right": (-1, 0), "above": (0, 1), "below": (0, -1)}
     word = scene.split()[1] if scene.endswith("B") else draw.pick(tuple(relations))
@@ -162,5 +159,10 @@ def _scene_objects(draw: Draw, scene: str, count: int) -> list[SceneObject]:
 
 
 _MAKERS = {
-    "select": _select, "analyze": _analyze, "objects": _objects, "relative": _relative, "correct": _correct, "effector": _effector,
-}  # fmt: skip
+    "select": _select,
+    "analyze": _analyze,
+    "objects": _objects,
+    "relative": _relative,
+    "correct": _correct,
+    "effector": _effector,
+}

@@ -31,8 +31,12 @@ stretch to, stretch out for, extend to, go get, lift, lift up, snatch, feel, rea
 to
 """)
 REACH_PLACE = names("""
-reach, reach out, go, stretch, point, touch, reach over, extend, reach forward
+reach, reach out, go, stretch, point, touch, reach over, extend, reach forward, touch the spot,
+reach for the point, reach the place, touch the table, reach the spot, reach for the area,
+touch the place
 """)
+LINKS = ("", "", "goes", "should be", "should go", "must be", "down")
+CONTACTS = names("contact, support contact, support, a contact, support point, contact point")
 ANY_HAND = names("""
 your hand, a hand, the hand, one hand, hand, one of your hands, a palm, your palm, an arm, your
 arm, it, either hand, any hand, some hand, your fist
@@ -66,12 +70,15 @@ please, now, carefully, thanks, thank you, for support, to support yourself, for
 if you can, to keep your balance, slowly, ok, first, so you don't fall, robot, if possible, right
 now, firmly, with some force, for stability, again, instead, this time, as a support
 """)
-AGAIN = (
-    "no,", "instead,", "actually,", "no, actually,", "wait,", "forget that,", "let's do something else,",
-    "no, not there,", "wrong object,", "I changed my mind,", "sorry, I meant", "not that one,", "no no,",
-    "scratch that,", "new target:", "I meant", "rather,", "on second thought,", "never mind,",
-    "that's the wrong thing,", "no, I said", "no, use something else,", "wrong one,", "no wait,",
-)  # fmt: skip
+AGAIN = names(
+    """
+no, | instead, | actually, | no, actually, | wait, | forget that, | let's do something else, | no,
+not there, | wrong object, | I changed my mind, | sorry, I meant | not that one, | no no, | scratch
+that, | new target: | I meant | rather, | on second thought, | never mind, | that's the wrong
+thing, | no, I said | no, use something else, | wrong one, | no wait,
+""",
+    "|",
+)
 
 
 @dataclass(frozen=True)
@@ -124,61 +131,37 @@ def _with_articles(draw: Draw, text: str) -> str:
 
 def _contact(draw: Draw, location: str) -> tuple[str, str]:
     """Return a template of an instruction to lean, and the end effector."""
-    words, name = _limb(draw)
-    tool = f"{draw.pick(WITH)} {words}"
+    limb, name = _limb(draw)
+    tool = f"{draw.pick(WITH)} {limb}"
     comma = "," if draw.chance(0.3) else ""
-    frame = draw.below(12)
-    if frame < 5:
-        return f"{draw.pick(PUT)} {words} {location}", name
-    if frame < 6:
-        return f"{draw.pick(LEAN)} {location}{comma} {tool}", name
-    if frame == 6:
-        return f"{tool}, {draw.pick(LEAN)} {location}", name
-    if frame == 7:
-        return f"use {words} to {draw.pick(LEAN)} {location}", name
-    if frame == 8:
-        return (
-            f"{words} {draw.pick(('', '', 'goes', 'should be', 'should go', 'must be', 'down'))} "
-            f"{location}",
-            name,
-        )
-    if frame == 9:
-        noun = draw.pick(
-            ("contact", "support contact", "support", "a contact", "support point", "contact point")
-        )
-        return f"{noun} {location} {tool}", name
-    if frame == 10:
+    frames = (
+        *[f"{draw.pick(PUT)} {limb} {location}"] * 5,
+        f"{draw.pick(LEAN)} {location}{comma} {tool}",
+        f"{tool}, {draw.pick(LEAN)} {location}",
+        f"use {limb} to {draw.pick(LEAN)} {location}",
+        f"{limb} {draw.pick(LINKS)} {location}",
+        f"{draw.pick(CONTACTS)} {location} {tool}",
+        f"{location} {draw.pick(PUT)} {limb}",
+    )
+    if draw.chance(0.08):
         return f"{draw.pick(LEAN)} {location}", "unspecified"
-    return f"{location} {draw.pick(PUT)} {words}", name
+    return draw.pick(frames), name
 
 
 def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
     """Return a template of an instruction to reach, and the end effector."""
-    words, name = _limb(draw)
-    tool = f"{draw.pick(WITH)} {words}"
+    limb, name = _limb(draw)
+    tool = f"{draw.pick(WITH)} {limb}"
     comma = "," if draw.chance(0.3) else ""
-    verb = draw.pick(REACH_OBJECT)
-    thing = location
-    if not absolute:
-        verb = draw.pick(
-            (
-                draw.pick(REACH_PLACE),
-                "touch the spot",
-                "reach for the point",
-                "reach the place",
-                "touch the table",
-                "reach the spot",
-                "reach for the area",
-            )
-        )
-    frame = draw.below(6)
-    if frame < 2:
-        return f"{verb} {thing}{comma} {tool}", name
-    if frame < 4:
-        return f"{tool}{draw.pick((',', ',', ''))} {verb} {thing}", name
-    if frame == 4:
-        return f"use {words} to {verb} {thing}", name
-    return f"{verb} {thing}", "unspecified"
+    verb = draw.pick(REACH_OBJECT) if absolute else draw.pick(REACH_PLACE)
+    frames = (
+        *[f"{verb} {location}{comma} {tool}"] * 2,
+        *[f"{tool}{draw.pick((',', ',', ''))} {verb} {location}"] * 2,
+        f"use {limb} to {verb} {location}",
+    )
+    if draw.chance(0.17):
+        return f"{verb} {location}", "unspecified"
+    return draw.pick(frames), name
 
 
 def instruction(draw: Draw, kind: str) -> Instruction:

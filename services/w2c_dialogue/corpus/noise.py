@@ -1,14 +1,19 @@
-"""What typing does to words: slips, missing articles, capitals, punctuation. The count of words is kept in step."""
+"""What typing does to words: slips, missing articles, capitals, punctuation."""
 
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.things import meanings
 
 DROPPABLE = frozenset({"the", "a", "your", "that", "my", "please"})
 NEIGHBOURS = {
-    "a": "sq", "b": "vn", "c": "xv", "d": "sf", "e": "wr", "f": "dg", "g": "fh", "h": "gj", "i": "uo", "j": "hk",
-    "k": "jl", "l": "k", "m": "n", "n": "bm", "o": "ip", "p": "o", "q": "w", "r": "et", "s": "ad", "t": "ry",
-    "u": "yi", "v": "cb", "w": "qe", "x": "zc", "y": "tu", "z": "x",
-}  # fmt: skip
+    key: near
+    for near, key in meanings("""
+a: sq | b: vn | c: xv | d: sf | e: wr | f: dg | g: fh | h: gj | i: uo | j: hk | k: jl | l: k | m:
+n | n: bm | o: ip | p: o | q: w | r: et | s: ad | t: ry | u: yi | v: cb | w: qe | x: zc | y: tu |
+z: x
+""")
+}
+"""Keys of a keyboard, and the keys beside them."""
 SPOKEN = ("um", "uh", "er", "well", "so", "hmm", "like")
 
 

@@ -1,4 +1,4 @@
-"""Noun phrases: the ways people name a thing, from "it's the cup" to "the thing with the wooden handle"."""
+"""Noun phrases: the ways people name a thing, up to "the thing with the wooden handle"."""
 
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.things import (

@@ -1,9 +1,15 @@
 """Names of things, written for this corpus. Lists are strings, one name between commas."""
 
 
-def names(text: str) -> tuple[str, ...]:
+def names(text: str, separator: str = ",") -> tuple[str, ...]:
     """Split a list of names."""
-    return tuple(" ".join(name.split()) for name in text.split(",") if name.strip())
+    return tuple(" ".join(name.split()) for name in text.split(separator) if name.strip())
+
+
+def meanings(text: str) -> tuple[tuple[str, str], ...]:
+    """Split `1: x, y | 2: z` into (("x", "1"), ("y", "1"), ("z", "2"))."""
+    rows = [row.split(":") for row in text.split("|")]
+    return tuple((words, meaning.strip()) for meaning, listed in rows for words in names(listed))
 
 
 SURFACES = names("""

@@ -21,7 +21,7 @@ TASKS = ("contact", "reach")
 
 @dataclass(frozen=True)
 class Question:
-    """One request to a language model: complete it to JSON of `schema`, or choose one of `options`."""
+    """One request to a language model: complete to JSON of `schema`, or choose of `options`."""
 
     task: TaskName
     messages: tuple[ChatMessage, ...]

@@ -77,7 +77,7 @@ class EmbeddedPrompts:
         objects: Sequence[SceneObject],
         pixels_per_cm: float,
     ) -> Question:
-        """Ask for a point relative to the objects. Distances are symbols, so the scale is not shown."""
+        """Ask for a point relative to the objects. The scale is a symbol, so it is not shown."""
         del pixels_per_cm
         boxes = describe_boxes([o.box for o in objects])
         content = f"{boxes}\n{utterance.with_letters([m.span for m in mentions])}"
@@ -103,7 +103,7 @@ class EmbeddedPrompts:
 
 
 def describe_boxes(boxes: Sequence[Box]) -> str:
-    """Return what the model must know of the boxes: where there is room, and the order of the first two.
+    """Return what the model must know of the boxes: where there is room, and their order.
 
     One object is `A left`, `A middle` or `A right` in the picture; two are `A left of B`, `A right
     of B`, `A above B` or `A below B`, along the axis with the wider gap.
@@ -149,7 +149,7 @@ def _messages(tag: TaskName, content: str) -> tuple[ChatMessage, ...]:
 
 
 def _spans_schema(utterance: Utterance) -> dict[str, object]:
-    """Allow exactly the ranges of words that the utterance has; any two of its numbers in a long one."""
+    """Allow exactly the ranges of words of the utterance; of a long one, any two numbers."""
     count = len(utterance.typed)
     ranges = [
         f"{first}-{last}"

@@ -1,4 +1,4 @@
-"""System prompts and examples for general language models. Data: (what is asked, what is answered)."""
+"""System prompts and examples for general language models: (asked, answered)."""
 
 from typing import Any
 
@@ -120,7 +120,7 @@ RELATIVE_EXAMPLES: Examples = (
     (
         "Kettle is at [400, 300] with width=80 and height=120.\nPut your hand left of the kettle.",
         {
-            "chain_of_thought": "From the centre half a width to the left edge, then half a width more.",
+            "chain_of_thought": "Half a width to the left edge, then half a width more.",
             "x": "400-80/2-0.5*80",
             "y": "300",
         },
@@ -135,15 +135,17 @@ RELATIVE_EXAMPLES: Examples = (
     ),
     (
         "Bucket is at [200, 400] with width=100 and height=90.\n"
-        "Crate is at [600, 420] with width=200 and height=150.\nyour palm goes between the bucket and the crate",
+        "Crate is at [600, 420] with width=200 and height=150.\n"
+        "your palm goes between the bucket and the crate",
         {
-            "chain_of_thought": "Middle of the gap: right edge of the bucket and left edge of the crate.",
+            "chain_of_thought": "Middle of the gap between right edge and left edge.",
             "x": "((200+100/2)+(600-200/2))/2",
             "y": "(400+420)/2",
         },
     ),
     (
-        "1 cm is 12 pixels.\nJug is at [900, 350] with width=70 and height=110.\n5 cm in front of the jug",
+        "1 cm is 12 pixels.\nJug is at [900, 350] with width=70 and height=110.\n"
+        "5 cm in front of the jug",
         {
             "chain_of_thought": "In front is down: the bottom edge and 5 cm of 12 pixels.",
             "x": "900",
@@ -151,7 +153,8 @@ RELATIVE_EXAMPLES: Examples = (
         },
     ),
     (
-        "Workbench is at [640, 560] with width=900 and height=280.\nlean on the right end of the workbench",
+        "Workbench is at [640, 560] with width=900 and height=280.\n"
+        "lean on the right end of the workbench",
         {
             "chain_of_thought": "Just inside the right edge, half way down.",
             "x": "640+900/2-0.15*900",
@@ -185,7 +188,8 @@ CORRECT_EXAMPLES: Examples = (
         },
     ),
     (
-        "Bucket is at [800, 400] with width=100 and height=90.\nTarget is at [600, 300].\ncloser to the bucket",
+        "Bucket is at [800, 400] with width=100 and height=90.\nTarget is at [600, 300].\n"
+        "closer to the bucket",
         {
             "chain_of_thought": "Half of the way to the centre of the bucket.",
             "x": "600+0.5*(800-600)",

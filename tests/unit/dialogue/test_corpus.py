@@ -12,7 +12,7 @@ import pytest
 from w2c.messages import Box
 from w2c_dialogue.__main__ import main
 from w2c_dialogue.answers import AnalysisAnswer, EffectorAnswer, ObjectsAnswer, PointAnswer, read
-from w2c_dialogue.corpus import corrections, locations, things
+from w2c_dialogue.corpus import correction_words, locations, things
 from w2c_dialogue.corpus.draw import Draw, is_held_out
 from w2c_dialogue.corpus.generate import Example, examples
 from w2c_dialogue.expressions import correction_symbols, evaluate_point, object_symbols
@@ -109,7 +109,9 @@ def test_expressions_give_points_with_the_symbols_of_their_scene(task: str) -> N
         boxes = BOXES[: len(set(letters))]
         symbols = object_symbols(boxes, 10.0)
         if task == "correct":
-            scene = CorrectionScene(**{**vars(SCENE), "objects": tuple(SceneObject("", b) for b in boxes)})
+            scene = CorrectionScene(
+                **{**vars(SCENE), "objects": tuple(SceneObject("", b) for b in boxes)}
+            )
             symbols = correction_symbols(scene)
         question = PROMPTS.relative(parse("x"), [], [], 10.0)
         assert question.schema is not None
@@ -121,7 +123,9 @@ def test_expressions_give_points_with_the_symbols_of_their_scene(task: str) -> N
         assert facts
 
 
-@pytest.mark.parametrize(("side", "du", "dv"), [("left", -1, 0), ("right", 1, 0), ("behind", 0, -1), ("front", 0, 1)])
+@pytest.mark.parametrize(
+    ("side", "du", "dv"), [("left", -1, 0), ("right", 1, 0), ("behind", 0, -1), ("front", 0, 1)]
+)
 def test_beside_is_outside_the_box_on_the_side_that_is_said(side: str, du: int, dv: int) -> None:
     box = BOXES[0]
     phrases, _, _ = locations.SIDES[side]
@@ -150,15 +154,36 @@ DIRECTIONS = {
     "lower": (0, 1),
 }
 OTHER_WAYS = frozenset(
-    "top bottom front back closer nearer towards toward away further farther ahead deeper forward "
-    "forwards backward backwards and then".split()
+    [
+        "top",
+        "bottom",
+        "front",
+        "back",
+        "closer",
+        "nearer",
+        "towards",
+        "toward",
+        "away",
+        "further",
+        "farther",
+        "ahead",
+        "deeper",
+        "forward",
+        "forwards",
+        "backward",
+        "backwards",
+        "and",
+        "then",
+    ]
 )
 
 
 def test_corrections_move_in_the_direction_that_is_said() -> None:
     checked = 0
     for content, answer in of_task("correct"):
-        words = re.sub(r"(left|right) hand", "hand", content.split("\n")[1]).replace(",", "").split()
+        words = (
+            re.sub(r"(left|right) hand", "hand", content.split("\n")[1]).replace(",", "").split()
+        )
         said = [DIRECTIONS[word] for word in words if word in DIRECTIONS]
         if len(said) != 1 or OTHER_WAYS & set(words) or "-" in "".join(words):
             continue
@@ -174,7 +199,7 @@ def test_corrections_move_in_the_direction_that_is_said() -> None:
 
 @pytest.mark.parametrize(("text", "size"), [("a bit", 20), ("a little", 20), ("a lot", 100)])
 def test_sizes_of_steps(text: str, size: int) -> None:
-    sizes = {word: int(pixels) for pixels, entries, _ in corrections.STEPS for word in entries}
+    sizes = {word: int(pixels) for pixels, entries, _ in correction_words.STEPS for word in entries}
     assert sizes[text] == size
     assert sizes[""] == 40
 
@@ -182,7 +207,12 @@ def test_sizes_of_steps(text: str, size: int) -> None:
 def test_between_lies_between_the_boxes_as_the_facts_say() -> None:
     for content, answer in of_task("relative"):
         facts, text = content.split("\n")
-        if facts == "A left of B" and re.search(r"between", text) and "third" not in text and "C" not in text:
+        if (
+            facts == "A left of B"
+            and re.search(r"between", text)
+            and "third" not in text
+            and "C" not in text
+        ):
             value = json.loads(answer)
             if value["x"] == "(a.right+b.left)/2":
                 point = evaluate_point(value["x"], value["y"], object_symbols(BOXES, 10.0), SIZE)
@@ -208,7 +238,22 @@ def test_the_same_question_has_the_same_answer() -> None:
 
 def test_the_command_writes_the_same_files_for_the_same_seed(tmp_path: Path) -> None:
     for name in ("one", "two"):
-        assert main(["corpus", "--out", str(tmp_path / name), "--count", "60", "--held-out", "20", "--seed", "5"]) == 0
+        assert (
+            main(
+                [
+                    "corpus",
+                    "--out",
+                    str(tmp_path / name),
+                    "--count",
+                    "60",
+                    "--held-out",
+                    "20",
+                    "--seed",
+                    "5",
+                ]
+            )
+            == 0
+        )
     for file, count in (("train.jsonl", 60), ("heldout.jsonl", 20)):
         lines = (tmp_path / "one" / file).read_bytes()
         assert lines == (tmp_path / "two" / file).read_bytes()

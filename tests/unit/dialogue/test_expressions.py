@@ -21,7 +21,14 @@ from w2c_dialogue.expressions import (
 )
 from w2c_dialogue.prompts.base import CorrectionScene, Move, SceneObject
 
-SYMBOLS = {"a.left": 100.0, "a.width": 40.0, "target.u": 640.0, "last.du": -20.0, "cm": 10.0, "moves[-2].du": 7.0}
+SYMBOLS = {
+    "a.left": 100.0,
+    "a.width": 40.0,
+    "target.u": 640.0,
+    "last.du": -20.0,
+    "cm": 10.0,
+    "moves[-2].du": 7.0,
+}
 
 
 @pytest.mark.parametrize(
@@ -64,7 +71,7 @@ def test_values(text: str, value: float) -> None:
         ("__import__('os')", "no part"),
         ("a.left;1", "no part"),
         ("2**3", "does not belong"),
-        ("١+١", "no part"),
+        ("\u0661+\u0661", "no part"),
         ("1" * (MAX_LENGTH + 1), "characters"),
         ("(" * (MAX_DEPTH + 2) + "1" + ")" * (MAX_DEPTH + 2), "nested"),
         ("-" * (MAX_DEPTH + 2) + "1", "nested"),
@@ -109,7 +116,9 @@ def test_every_expression_has_the_value_of_its_tree_or_is_refused(tree: tuple[st
         assert result == pytest.approx(value, rel=1e-9, abs=1e-9)
 
 
-@given(st.text(alphabet="0123456789.+-*/() abcdlmstuv[]\n\x00é", max_size=60) | st.text(max_size=300))
+@given(
+    st.text(alphabet="0123456789.+-*/() abcdlmstuv[]\n\x00é", max_size=60) | st.text(max_size=300)
+)
 def test_any_text_is_a_finite_value_or_a_refusal(text: str) -> None:
     try:
         value = evaluate(text, SYMBOLS)

@@ -1,4 +1,4 @@
-"""The dialogue as a service: requests in, targets and turns out, other services called over the bus."""
+"""The dialogue as a service: requests in, targets and turns out, other services over the bus."""
 
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -6,8 +6,8 @@ from typing import cast
 
 import numpy as np
 import pytest
-from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
 
+from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
 from w2c import topics
 from w2c.bus import InProcessHub
 from w2c.bus.codec import Input
@@ -53,7 +53,15 @@ class Robot:
         self.controller = GoalTaker()
         self.buses = {
             name: self.hub.connect(name)
-            for name in ("llm", "grounding", "perception", "controller", "robot", "camera", "console")
+            for name in (
+                "llm",
+                "grounding",
+                "perception",
+                "controller",
+                "robot",
+                "camera",
+                "console",
+            )
         }
         self.clock = StepClock(1)
         self.ground_inputs: Sequence[Input] = ()
@@ -64,7 +72,9 @@ class Robot:
         bus["llm"].serve(topics.COMPLETE, lambda request, _: self._complete(request))
         bus["llm"].serve(topics.CHOOSE, lambda request, _: self._choose(request))
         bus["grounding"].serve(topics.GROUND, self._ground)
-        bus["perception"].serve(topics.LIFT, lambda r, _: self.lift.lift(r.u, r.v, r.frame_stamp_ns))
+        bus["perception"].serve(
+            topics.LIFT, lambda r, _: self.lift.lift(r.u, r.v, r.frame_stamp_ns)
+        )
         bus["controller"].serve(topics.PLACE, lambda request, _: self.controller.place(request))
         bus["robot"].serve(topics.ROBOT_STOP, lambda request, _: self._stop(request.reason))
 
@@ -76,22 +86,36 @@ class Robot:
     def _complete(self, request: CompleteRequest) -> CompleteReply:
         value = self.model.complete(self._question(request))
         return CompleteReply(
-            text="", value=value, model="fake", prompt_tokens=1, reused_tokens=0, completion_tokens=1,
-            queue_ms=0.0, prefill_ms=0.0, decode_ms=0.0,
-        )  # fmt: skip
+            text="",
+            value=value,
+            model="fake",
+            prompt_tokens=1,
+            reused_tokens=0,
+            completion_tokens=1,
+            queue_ms=0.0,
+            prefill_ms=0.0,
+            decode_ms=0.0,
+        )
 
     def _choose(self, request: ChooseRequest) -> ChooseReply:
         choice = self.model.choose(self._question(request), {})
         return ChooseReply(
-            option=choice.option, probabilities=choice.probabilities, model="fake", prompt_tokens=1,
-            reused_tokens=0, queue_ms=0.0, prefill_ms=0.0,
-        )  # fmt: skip
+            option=choice.option,
+            probabilities=choice.probabilities,
+            model="fake",
+            prompt_tokens=1,
+            reused_tokens=0,
+            queue_ms=0.0,
+            prefill_ms=0.0,
+        )
 
     def _ground(self, request: GroundingRequest, context: CallContext) -> GroundingReply:
         self.ground_inputs = context.request.envelope.inputs
         frame = Frame(0, 1280, 720, request.jpeg)
         evidence = self.grounding.ground(frame, request.phrases, request.want)
-        return GroundingReply(model="fake", width=1280, height=720, evidence=evidence, milliseconds=1.0)
+        return GroundingReply(
+            model="fake", width=1280, height=720, evidence=evidence, milliseconds=1.0
+        )
 
     def _stop(self, reason: str) -> StopReply:
         self.controller.stop(reason)
@@ -103,14 +127,21 @@ class Robot:
 
     def confirm(self, target_id: str) -> Turn:
         """Press Confirm on the console."""
-        return self.buses["console"].call(topics.CONFIRM, ConfirmRequest(target_id=target_id)).message
+        return (
+            self.buses["console"].call(topics.CONFIRM, ConfirmRequest(target_id=target_id)).message
+        )
 
     def show(self, stamp_ns: int) -> None:
         """Publish a picture."""
         frame = CameraFrame(
-            stamp_ns=stamp_ns, frame="camera", width=1280, height=720,
-            intrinsics=(800.0, 800.0, 640.0, 360.0), jpeg=b"jpeg", depth=b"",
-        )  # fmt: skip
+            stamp_ns=stamp_ns,
+            frame="camera",
+            width=1280,
+            height=720,
+            intrinsics=(800.0, 800.0, 640.0, 360.0),
+            jpeg=b"jpeg",
+            depth=b"",
+        )
         self.buses["camera"].publish(topics.CAMERA_FRAME, frame)
 
     def status(self, goal_id: str, message: str = "") -> None:
@@ -118,11 +149,20 @@ class Robot:
         self.buses["controller"].publish(
             topics.CONTROLLER_STATUS,
             ControllerStatus(
-                stamp_ns=1, tick=1, phase="hold", goal_id=goal_id, in_contact=(True, True, False, False),
-                desired_forces=np.zeros((4, 3)), end_effector_positions=np.zeros((4, 3)), loads=np.zeros(4),
-                solver_failures=0, lateness_us={}, tick_us={}, message=message,
+                stamp_ns=1,
+                tick=1,
+                phase="hold",
+                goal_id=goal_id,
+                in_contact=(True, True, False, False),
+                desired_forces=np.zeros((4, 3)),
+                end_effector_positions=np.zeros((4, 3)),
+                loads=np.zeros(4),
+                solver_failures=0,
+                lateness_us={},
+                tick_us={},
+                message=message,
             ),
-        )  # fmt: skip
+        )
 
 
 @pytest.fixture
@@ -156,7 +196,9 @@ def test_say_and_confirm_over_the_bus(robot: Robot) -> None:
     targets, turns = console.queue(topics.TARGET), console.queue(topics.TURN)
     robot.show(100)
     until(lambda: robot.say("lean on the book").ok)
-    while (received := targets.receive(WAIT_S)) is not None and received.message.state != "proposed":
+    while (
+        received := targets.receive(WAIT_S)
+    ) is not None and received.message.state != "proposed":
         pass
     assert received is not None
     proposed = received.message
@@ -171,7 +213,13 @@ def test_say_and_confirm_over_the_bus(robot: Robot) -> None:
 
     robot.buses["controller"].publish(
         topics.GOAL_EVENT,
-        GoalEvent(stamp_ns=5, goal_id=turn.goal_id, end_effector="right_hand", task="contact", state="loaded"),
+        GoalEvent(
+            stamp_ns=5,
+            goal_id=turn.goal_id,
+            end_effector="right_hand",
+            task="contact",
+            state="loaded",
+        ),
     )
     landed = targets.receive(WAIT_S)
     assert landed is not None

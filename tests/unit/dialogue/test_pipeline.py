@@ -4,15 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
 
+from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
 from w2c.clock import StepClock
 from w2c.errors import DeadlineError, ModelError, RefusedError, UnavailableError
 from w2c.messages import CameraView, ConfirmRequest, GoalEvent, PointRequest, SayRequest, Turn
 from w2c_dialogue.frames import FrameStore
 from w2c_dialogue.interfaces import Frame
-from w2c_dialogue.pipeline import Dialogue, is_stop
+from w2c_dialogue.pipeline import Dialogue
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
+from w2c_dialogue.stop_words import is_stop
 
 BOOK = (400, 300, 600, 420)
 CUP = (900, 200, 960, 280)
@@ -41,10 +42,10 @@ class World:
             self.grounding,
             self.lift,
             self.controller,
-            EmbeddedPrompts(),
-            self.frames,
-            self.clock,
-            "t",
+            prompts=EmbeddedPrompts(),
+            frames=self.frames,
+            clock=self.clock,
+            prefix="t",
         )
         self.shown = ""
 
@@ -329,6 +330,17 @@ def test_a_refusal_of_the_controller_reaches_the_operator_and_leaves_the_target(
     assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
 
 
+def test_a_point_no_robot_can_mean_is_refused() -> None:
+    world = World(**first_words())
+    world.grounding.things["book"] = (12, 300, 16, 320)
+    world.lift.reach = 30.0
+    world.say(FIRST)
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert "cannot go to that point" in turn.reply
+    assert not world.controller.goals
+
+
 @pytest.mark.parametrize(("u", "hand"), [(300, "left_hand"), (900, "right_hand")])
 def test_no_hand_named_takes_the_one_on_that_side_and_says_so(u: float, hand: str) -> None:
     world = World(effector=[{"effector": "unspecified", "task": "contact"}], **first_words())
@@ -489,7 +501,7 @@ def test_a_correction_in_a_newer_picture_starts_from_the_reprojected_point() -> 
 
 def test_no_picture_at_all_is_said() -> None:
     world = World(**first_words())
-    world.dialogue._frames = FrameStore()  # noqa: SLF001
+    world.dialogue._frames = FrameStore()
     assert "camera does not send" in world.say(FIRST).reply
 
 

@@ -46,10 +46,16 @@ def test_the_language_service_takes_every_schema(name: str, count: int) -> None:
 def test_leading_messages_are_the_same_for_every_utterance(name: str) -> None:
     prompts = PROMPT_SETS[name]()
     one, other = parse("lean on the cup"), parse("a bit left")
-    pairs = zip([*questions(prompts, one), prompts.select(one)], [*questions(prompts, other), prompts.select(other)], strict=True)
+    pairs = zip(
+        [*questions(prompts, one), prompts.select(one)],
+        [*questions(prompts, other), prompts.select(other)],
+        strict=True,
+    )
     for a, b in pairs:
         constant = a.constant_messages
-        assert [m.content for m in a.messages[:constant]] == [m.content for m in b.messages[:constant]]
+        assert [m.content for m in a.messages[:constant]] == [
+            m.content for m in b.messages[:constant]
+        ]
 
 
 @pytest.mark.parametrize("count", [3, 24, 45, 60])
@@ -58,7 +64,13 @@ def test_spans_of_the_embedded_schema_are_those_of_the_utterance(count: int) -> 
     assert schema is not None
     items = schema["properties"]["objects"]["items"]
     assert len(items.get("enum", [])) <= MAX_ENUM
-    for text, allowed in (("1-1", True), (f"{count}-{count}", True), (f"{count + 1}-{count + 1}", False), ("0-1", False), ("1", False)):
+    for text, allowed in (
+        ("1-1", True),
+        (f"{count}-{count}", True),
+        (f"{count + 1}-{count + 1}", False),
+        ("0-1", False),
+        ("1", False),
+    ):
         valid = jsonschema.Draft202012Validator(items).is_valid(text)
         assert valid == allowed, text
 
@@ -94,7 +106,10 @@ def test_phrases_of_large_models_are_found_in_the_utterance() -> None:
 @pytest.mark.parametrize("task", ["ANALYZE", "OBJECTS", "RELATIVE", "CORRECT", "EFFECTOR"])
 def test_there_are_five_examples_and_each_fits_the_schema(task: str) -> None:
     examples: large_texts.Examples = getattr(large_texts, f"{task}_EXAMPLES")
-    by_task = {q.task.upper().replace("ANALYZE", "ANALYZE"): q for q in questions(LargePrompts(), parse("x"))}
+    by_task = {
+        q.task.upper().replace("ANALYZE", "ANALYZE"): q
+        for q in questions(LargePrompts(), parse("x"))
+    }
     schema = by_task[task].schema
     assert schema is not None
     assert len(examples) == 5
@@ -106,11 +121,19 @@ def test_there_are_five_examples_and_each_fits_the_schema(task: str) -> None:
 @pytest.mark.parametrize(
     ("examples", "points"),
     [
-        (large_texts.RELATIVE_EXAMPLES, [(320, 300), (700, 400), (375, 410), (900, 465), (955, 560)]),
-        (large_texts.CORRECT_EXAMPLES, [(480, 300), (620, 300), (700, 350), (710, 393), (300, 300)]),
+        (
+            large_texts.RELATIVE_EXAMPLES,
+            [(320, 300), (700, 400), (375, 410), (900, 465), (955, 560)],
+        ),
+        (
+            large_texts.CORRECT_EXAMPLES,
+            [(480, 300), (620, 300), (700, 350), (710, 393), (300, 300)],
+        ),
     ],
 )
-def test_arithmetic_of_the_examples(examples: large_texts.Examples, points: list[tuple[float, float]]) -> None:
+def test_arithmetic_of_the_examples(
+    examples: large_texts.Examples, points: list[tuple[float, float]]
+) -> None:
     for (_, answer), expected in zip(examples, points, strict=True):
         point = evaluate_point(answer["x"], answer["y"], {}, (1280, 720))
         assert (point.u, point.v) == pytest.approx(expected)
