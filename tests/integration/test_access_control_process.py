@@ -13,7 +13,6 @@ from support.deploy import load_access_control
 from support.ports import free_port
 from support.waiting import wait_until
 from w2c import topics
-from w2c.bus import RawReceived
 from w2c.bus.zenoh_bus import ZenohBus, connect
 from w2c.config import ServiceConfig
 from w2c.errors import ConnectionFailedError, UnavailableError
@@ -121,19 +120,18 @@ def test_truth_reaches_evaluation_and_recorder_and_nobody_else(guests: Guests) -
     at_dialogue = dialogue.queue(topics.TRUTH)
     at_recorder = recorder.raw_queue(f"w2c/{topics.VERSION}/{ROBOT}/**")
 
-    def arrives() -> bool:
+    seen: set[str] = set()
+
+    def both_have_it() -> bool:
         robot.publish(topics.TRUTH, truth())
-        return at_evaluation.receive(0.05) is not None
-
-    wait_until(arrives)
-    found: list[RawReceived] = []
-
-    def recorded() -> bool:
+        if at_evaluation.receive(0.05) is not None:
+            seen.add("evaluation")
         received = at_recorder.receive(0.05)
-        found.extend([received] if received is not None else [])
-        return any(raw.key == topics.TRUTH.key(ROBOT) for raw in found)
+        if received is not None and received.key == topics.TRUTH.key(ROBOT):
+            seen.add("recorder")
+        return seen == {"evaluation", "recorder"}
 
-    wait_until(recorded)
+    wait_until(both_have_it)
     assert at_dialogue.receive(0.3) is None
 
 
