@@ -6,7 +6,6 @@ confirmation that names the target on the screen.
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from w2c.clock import Clock
 from w2c.errors import CallError, DeadlineError, RefusedError, W2CError
@@ -15,7 +14,6 @@ from w2c.messages import (
     EndEffector,
     GoalEvent,
     LiftReply,
-    PlaceGoal,
     PointRequest,
     SayRequest,
     Target,
@@ -29,6 +27,7 @@ from w2c_dialogue.corrector import correct
 from w2c_dialogue.frames import FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
 from w2c_dialogue.locating import locate
+from w2c_dialogue.outcome import Outcome, goal_of
 from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.selector import select
 from w2c_dialogue.sight import Prediction
@@ -38,17 +37,6 @@ from w2c_dialogue.utterance import Utterance, parse
 
 FRAME_WAIT_S = 0.5
 """A picture the operator saw, or its camera pose, may still be on its way [s]."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a turn came to."""
-
-    module: str
-    reply: str
-    target: Target | None = None
-    goal: Goal | None = None
-    ok: bool = True
 
 
 class Dialogue:
@@ -231,7 +219,7 @@ class Dialogue:
             raise RefusedError(
                 "You said stop meanwhile; I did not move. Confirm again to go there."
             )
-        request = _goal(self._conversation.next_id("goal"), shown.target, limb, task)
+        request = goal_of(self._conversation.next_id("goal"), shown.target, limb, task)
         try:
             services.place(request)
         except DeadlineError as error:
@@ -287,29 +275,4 @@ class Dialogue:
         return self._report("", outcome, Steps(self._clock))
 
     def _report(self, text: str, outcome: Outcome, steps: Steps) -> Turn:
-        goal = outcome.goal
-        return Turn(
-            stamp_ns=self._clock.now_ns(),
-            text=text,
-            module=outcome.module,
-            reply=outcome.reply,
-            ok=outcome.ok,
-            target=outcome.target,
-            goal_id=goal.goal_id if goal else "",
-            end_effector=goal.effector if goal else "",
-            task=goal.task if goal else "",
-            seconds=steps.total(),
-            steps=steps.seconds,
-        )
-
-
-def _goal(goal_id: str, target: Target, limb: EndEffector, task: Task) -> PlaceGoal:
-    """Return the goal of a target. Raises RefusedError for one without depth, or where nothing is."""
-    if target.point is None or target.normal is None:
-        raise RefusedError("There is no depth at the target. Move it a bit, then confirm again.")
-    try:
-        return PlaceGoal(
-            goal_id=goal_id, end_effector=limb, task=task, point=target.point, normal=target.normal
-        )
-    except ValueError as error:
-        raise RefusedError(f"The robot cannot go to that point ({error}). Name another.") from error
+        return outcome.as_turn(self._clock.now_ns(), text, steps.total(), steps.seconds)
