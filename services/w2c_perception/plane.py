@@ -14,6 +14,8 @@ Points = npt.NDArray[np.float64]
 TOLERANCE = 0.002
 """Points this close to a plane agree with it [m]"""
 HYPOTHESES = 80
+SEED_BONUS = 1.2
+"""A plane through the chosen point wins over another that a few more points agree with"""
 EXTENT_TOLERANCE = 0.006
 """Depth this far from the plane is another surface [m]"""
 MAX_EXTENT = 0.25
@@ -103,8 +105,10 @@ def _consensus(points: Points, seed: Vector, tolerance: float) -> npt.NDArray[np
     possible = (lengths > 1e-9) & (np.abs(normals @ seed - offsets) <= 2.0 * tolerance)
     if not possible.any():
         raise RefusedError("the points around the pixel lie on a line; choose a wider surface")
-    agreement = np.abs(points @ normals[possible].T - offsets[possible]) <= tolerance
-    return np.asarray(agreement[:, int(np.argmax(agreement.sum(axis=0)))])
+    agreement = np.abs(points @ normals.T - offsets) <= tolerance  # (n, 2 hypotheses)
+    votes = np.where(possible, agreement.sum(axis=0), -1).astype(np.float64)
+    votes[:HYPOTHESES] *= SEED_BONUS
+    return np.asarray(agreement[:, int(np.argmax(votes))])
 
 
 def extent(depth: Depth, intrinsics: Intrinsics, plane: Plane, point: Vector) -> float:

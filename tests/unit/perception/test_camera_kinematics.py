@@ -1,0 +1,76 @@
+"""Where the camera is, from joint angles: against the simulator, and for descriptions that lie."""
+
+import msgspec
+import mujoco
+import numpy as np
+import pytest
+
+from w2c.errors import GeometryError
+from w2c.geometry import base_from_midfeet, inverse, transform
+from w2c.messages import Array, RobotDescription
+from w2c_perception.kinematics import CameraKinematics
+from w2c_sim_robot import talos
+from w2c_sim_robot.description import make_description
+from w2c_sim_robot.model import HEAD_CAMERA, build_model
+
+
+@pytest.fixture(scope="module")
+def description() -> RobotDescription:
+    return make_description()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_camera_is_where_the_simulator_has_it(description: RobotDescription, seed: int) -> None:
+    """Any posture, the base anywhere: relative to the feet both models agree."""
+    rng = np.random.default_rng(seed)
+    model = build_model()
+    data = mujoco.MjData(model)
+    position = talos.ready_position() + rng.uniform(-0.15, 0.15, len(talos.ACTUATED))
+    for name, angle in zip(talos.ACTUATED, position, strict=True):
+        data.joint(name).qpos = angle
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_camlight(model, data)
+    soles = [
+        transform(data.body(name).xmat.reshape(3, 3), data.body(name).xpos)
+        for name in talos.SOLE_FRAMES
+    ]
+    camera = data.camera(HEAD_CAMERA)
+    optical = camera.xmat.reshape(3, 3) @ np.diag([1.0, -1.0, -1.0])
+    expected = inverse(base_from_midfeet(*soles)) @ transform(optical, camera.xpos)
+
+    actual = CameraKinematics(description).world_from_camera(position)
+
+    assert actual == pytest.approx(expected, abs=1e-9)
+
+
+def test_standing_ready_the_camera_looks_ahead_and_down(description: RobotDescription) -> None:
+    pose = CameraKinematics(description).world_from_camera(talos.ready_position())
+
+    forward = pose[:3, 2]
+    assert 1.4 < pose[2, 3] < 1.8
+    assert forward[0] > 0.5
+    assert forward[2] < -0.5
+    assert pose[:3, 0] == pytest.approx([0, -1, 0], abs=1e-3)  # the picture's right
+
+
+@pytest.mark.parametrize("angles", [np.zeros(3), np.full(len(talos.ACTUATED), np.nan)])
+def test_angles_that_do_not_fit_are_refused(description: RobotDescription, angles: Array) -> None:
+    with pytest.raises(GeometryError, match="expected finite"):
+        CameraKinematics(description).world_from_camera(angles)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "complaint"),
+    [
+        ("urdf", "not a robot", "URDF cannot be read"),
+        ("camera_frame", "third_eye", "no frame 'third_eye'"),
+        ("sole_frames", ("left_sole_link", "wheel"), "no frame 'wheel'"),
+    ],
+)
+def test_a_description_that_does_not_fit_its_urdf_is_refused(
+    description: RobotDescription, field: str, value: object, complaint: str
+) -> None:
+    broken = msgspec.structs.replace(description, **{field: value})
+
+    with pytest.raises(GeometryError, match=complaint):
+        CameraKinematics(broken)
