@@ -1,6 +1,7 @@
 """The wrenches of a posture at rest: where the Retargeting starts.
 
-    min  w_tau |tau|^2 + w_l |lambda|^2   s.t.  s_base = 0, torque limits, cones, normal force limits
+    min  w_tau |tau|^2 + w_l |lambda|^2   s.t.  s_base = 0, torque limits, cones, normal force
+    limits
 
 with tau = s_J(q, lambda) (SEIKO's static inverse dynamics).
 """
@@ -46,8 +47,8 @@ def balance_at_rest(
         solution = solver.solve(program)
     except SolverError as error:
         raise ControlError(
-            "this posture cannot stand on its contacts within friction, centre of pressure and torque "
-            "limits; bring the robot to its initial posture"
+            "this posture cannot stand on its contacts within friction, centre of pressure and "
+            "torque limits; bring the robot to its initial posture"
         ) from error
     for k, where in slices.items():
         size = where.stop - where.start
@@ -63,7 +64,7 @@ def _program(
     state: DesiredState,
     parameters: Parameters,
 ) -> tuple[Program, dict[int, slice]]:
-    """Return the program over the wrenches alone, and where each contact stands in its variables."""
+    """Return the program over the wrenches, and where each contact stands in its variables."""
     nv, nj, limits = controlled.nv, controlled.nj, parameters.limits
     size = layout.size - nv
     slices = {k: slice(s.start - nv, s.stop - nv) for k, s in layout.slices.items()}

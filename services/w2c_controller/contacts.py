@@ -1,4 +1,4 @@
-"""Which contacts exist, where their wrenches stand among the variables, and the cones they stay in."""
+"""Which contacts exist, where their wrenches stand among the variables, and their cones."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -40,7 +40,8 @@ class ContactLayout:
     @cached_property
     def size(self) -> int:
         """Number of variables."""
-        return self.nv + sum(s.stop - s.start for s in self.slices.values())
+        sizes = [PLANE_SIZE if k in FEET else POINT_SIZE for k in self.slices]
+        return self.nv + sum(sizes)
 
     @cached_property
     def equality_rows(self) -> int:
@@ -51,8 +52,8 @@ class ContactLayout:
 def plane_cone(limits: Limits) -> Matrix:
     """Return C (16, 6) of C w <= 0 for w = (fx, fy, fz, tx, ty, tz) in the sole frame.
 
-    Friction, centre of pressure, and torsion of a rectangular sole with half sizes X, Y (Caron, Pham and
-    Nakamura, ICRA 2015):
+    Friction, centre of pressure, and torsion of a rectangular sole with half sizes X, Y (Caron,
+    Pham and Nakamura, ICRA 2015):
 
         |fx|, |fy| <= mu fz,   |tx| <= Y fz,   |ty| <= X fz,
         tz >= -mu (X+Y) fz + |Y fx - mu tx| + |X fy - mu ty|,

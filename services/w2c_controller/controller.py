@@ -16,14 +16,17 @@ import numpy.typing as npt
 from w2c.errors import GoalRefusedError
 from w2c.geometry import frame_from_normal
 from w2c.messages import JointCommand, RobotDescription, RobotState
+from w2c.messages.control import Phase
 from w2c_controller.desired import DesiredState
+from w2c_controller.events import Event, EventState
+from w2c_controller.filters import Blend
 from w2c_controller.hands import Hands
 from w2c_controller.model import Kinematics, build_model, standing_configuration
 from w2c_controller.parameters import HANDS, Parameters
 from w2c_controller.requests import Request, Requests, Situation
 from w2c_controller.retargeting import Retargeting
 from w2c_controller.sensing import LoadEstimator, Measured
-from w2c_controller.switching import Event, Switching
+from w2c_controller.switching import Switching
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -34,6 +37,7 @@ LEANING_FORCE = 15.0
 """A hand that measures more at the start leans: it is a support from the first tick on [N]."""
 FOREIGN_COMMAND = 0.03
 """A command in force that differs more from ours is not ours: go on from it [rad]."""
+STOPPED = "stopped by the operator"
 AWAY = 0.05
 """A hand farther from its rest can be released [m]."""
 
@@ -43,7 +47,7 @@ class Snapshot:
     """What the controller does, for the status message; arrays over end effectors, in the world."""
 
     tick: int
-    phase: str
+    phase: Phase
     goal_id: str
     end_effector: str
     task: str
@@ -82,12 +86,11 @@ class Controller:
         self._events: list[Event] = []
         self._measured = Measured(feet=np.zeros(2), hands=np.zeros((2, 3)))
         self._command = self._initial.copy()
-        self._blend_from = self._initial.copy()
-        self._blend = 0.0
-        self._blend_time = self.parameters.motion.blend_time
+        self._blend = Blend(self._initial, self.parameters.motion.blend_time, self.dt)
         self._tick = 0
         self._message = ""
-        self._frozen = ""
+        self._frozen = False
+        self._stop_reason = STOPPED
         self._copies: deque[SimpleQueue[DesiredState]] = deque()
 
     @property
@@ -108,6 +111,7 @@ class Controller:
             return self._hold_stopped(state)
         if self._stopped:
             self._stopped = False
+            self._stop_reason = STOPPED
             self._rejoin(state)
         elif np.max(np.abs(state.command - self._command)) > FOREIGN_COMMAND:
             self._rejoin(state)
@@ -115,11 +119,10 @@ class Controller:
         self._measured = self._loads.update(state)
         self._events.extend(self._switching.step(self._measured))
         self._hands.step()
-        scale = self._advance_blend()
+        scale = self._blend.advance()
         solved = self.retargeting.tick(scale)
         self._message = "" if solved else "no solution of the balance problem: the robot holds"
-        own = self._own_command()
-        command = own if scale >= 1.0 else self._blend_from + scale * (own - self._blend_from)
+        command = self._blend.mix(self._own_command())
         if np.isfinite(command).all():
             self._command = command
         self._publish_situation()
@@ -129,10 +132,11 @@ class Controller:
 
     def freeze(self, reason: str) -> None:
         """Hold from the next tick on, until the driver was stopped and resumed. From any thread."""
-        self._frozen = reason or "stopped by the operator"
+        self._stop_reason = f"stopped: {reason}" if reason else STOPPED
+        self._frozen = True
 
     def desired_copy(self, timeout_s: float) -> DesiredState:
-        """Return a copy of the desired state, made by the loop between two ticks. From another thread.
+        """Return a copy of the desired state, made by the loop for another thread.
 
         Raises:
             GoalRefusedError: no tick came.
@@ -198,19 +202,16 @@ class Controller:
         self._switching = Switching(self.retargeting, self._hands)
         self._measured = measured
         self._rejoin(state)
-        self._blend_time = self.parameters.motion.blend_time
         self._started = True
 
     def _rejoin(self, state: RobotState) -> None:
         """Go on from the command in force, whoever gave it."""
-        self._blend_from = state.command.copy()
         self._command = state.command.copy()
-        self._blend = 0.0
-        self._blend_time = 0.5 * self.parameters.motion.blend_time
+        self._blend = Blend(self._command, self.parameters.motion.blend_time, self.dt)
 
     def _hold_stopped(self, state: RobotState) -> JointCommand:
         """Freeze: the driver holds its command; answer with it."""
-        reason = self._frozen or "stopped by the operator"
+        reason = self._stop_reason
         if not self._stopped:
             self._stopped = True
             self._switching.abort(reason)
@@ -220,19 +221,12 @@ class Controller:
             self._command = state.command.copy()
         if state.mode == "stopped":
             # From here on the driver's own mode says when to go on.
-            self._frozen = ""
+            self._frozen = False
             self._command = state.command.copy()
         self._measured = self._loads.update(state)
         self._message = f"{reason}; resume to go on"
         self._publish_situation()
         return JointCommand(tick=state.tick, position=self._command.copy())
-
-    def _advance_blend(self) -> float:
-        """Return the weight of our own command, 0 to 1, smooth at both ends."""
-        if self._blend < 1.0:
-            self._blend = min(self._blend + self.dt / self._blend_time, 1.0)
-        u = self._blend
-        return u * u * (3.0 - 2.0 * u)
 
     # --- parts of a tick -------------------------------------------------------------------------
     def _begin_requests(self) -> None:
@@ -249,7 +243,7 @@ class Controller:
             self._publish_situation()
 
     def _own_command(self) -> Vector:
-        """Return the desired posture wound up by its torques (n,), in the order of the bus [rad]."""
+        """Return the desired posture wound up by its torques (n,), in the bus's order [rad]."""
         state, model = self.retargeting.state, self.model
         joints = state.q[7:] + self.parameters.motion.ahead_time * state.velocity[6:]
         command = self._initial.copy()
@@ -282,14 +276,14 @@ class Controller:
                 loads[k] = self._switching.normal_load(k, self._measured)
         return loads
 
-    def _phase(self) -> str:
+    def _phase(self) -> Phase:
         if self._stopped:
             return "stopped"
-        if not self._started or (self._blend < 1.0 and self._switching.phase == "hold"):
+        if not self._started or (not self._blend.done and self._switching.phase == "hold"):
             return "starting"
         return self._switching.phase
 
 
-def _event(request: Request, state: str, reason: str = "") -> Event:
+def _event(request: Request, state: EventState, reason: str = "") -> Event:
     task = request.goal.task if request.goal is not None else "contact"
-    return Event(request.goal_id, request.hand, task, state, reason)  # type: ignore[arg-type]
+    return Event(request.goal_id, request.hand, task, state, reason)

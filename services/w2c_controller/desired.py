@@ -1,4 +1,4 @@
-"""The state that the Retargeting integrates: desired posture, desired contact wrenches, contact set.
+"""The state that the Retargeting integrates: desired posture, contact wrenches, contact set.
 
 Nothing measured enters it: measured wrenches or re-localised contacts would make the QP infeasible.
 """
@@ -28,13 +28,15 @@ class DesiredState:
     releasing: list[bool] = field(default_factory=lambda: [False] * 4)
     """Contacts that are being unloaded"""
     wrenches: Matrix = field(default_factory=lambda: np.zeros((4, 6)))
-    """(4, 6) feet: force, torque in the sole frame; hands: force in the contact frame, then zeros"""
+    """(4, 6) feet: force, torque in the sole frame; hands: force in the contact frame, then
+    zeros"""
     force_min: Vector = field(default_factory=lambda: np.zeros(4))
     """(4,) smallest normal force allowed now [N]; grows with the force of a new contact"""
     contact_rotations: Matrix = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
     """(4, 3, 3) world_from_contact of the hands"""
     target_positions: Matrix = field(default_factory=lambda: np.zeros((4, 3)))
-    """(4, 3) in the world: of a contact, where it was made; of a free end effector, where it goes"""
+    """(4, 3) in the world: of a contact, where it was made; of a free end effector, where it
+    goes"""
     target_rotations: Matrix = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
     torque: Vector = field(default_factory=lambda: np.zeros(0))
     """(nj,) joint torques of the static equilibrium [Nm]"""
@@ -58,7 +60,7 @@ class DesiredState:
         )
 
     def world_force(self, contact: int, rotations: Matrix) -> Vector:
-        """Return the force (3,) that the environment shall exert on an end effector, in the world [N].
+        """Return the force (3,) that an end effector shall feel, in the world [N].
 
         Args:
             contact: Index of the end effector.

@@ -14,7 +14,7 @@ Matrix = npt.NDArray[np.float64]
 
 
 def low_pass_gain(cutoff_hz: float, dt: float) -> float:
-    """Return alpha of x <- alpha x + (1 - alpha) u: bilinear, alpha = (1 - w dt/2) / (1 + w dt/2)."""
+    """Return alpha = (1 - w dt/2) / (1 + w dt/2) of the low-pass x <- alpha x + (1 - alpha) u."""
     half = math.pi * cutoff_hz * dt
     return max((1.0 - half) / (1.0 + half), 0.0)
 
@@ -46,8 +46,8 @@ def bang_bang_speed(
 ) -> Vector:
     """Return the next speed, axis by axis, of the time-optimal way to remove an error.
 
-    Full acceleration towards the largest speed from which full braking still stops at the target. The
-    braking curve is that of discrete steps, so the last one does not overshoot.
+    Full acceleration towards the largest speed from which full braking still stops at the target.
+    The braking curve is that of discrete steps, so the last one does not overshoot.
 
     Args:
         error: (3,) target minus position.
@@ -110,3 +110,36 @@ class HandFilter:
             error, self._turn, filters.angular_speed, filters.angular_acceleration, dt
         )
         self.rotation = pin.exp3(dt * self._turn) @ self.rotation
+
+
+class Blend:
+    """From the command in force to one's own, smooth at both ends: s(u) = 3u^2 - 2u^3."""
+
+    def __init__(self, start: Vector, duration: float, dt: float) -> None:
+        """Begin at a command.
+
+        Args:
+            start: (n,) the command in force [rad].
+            duration: Of the blend [s].
+            dt: Period [s].
+        """
+        self._start = start.copy()
+        self._step = dt / duration
+        self._u = 0.0
+
+    @property
+    def done(self) -> bool:
+        """Whether one's own command is all that is left."""
+        return self._u >= 1.0
+
+    def advance(self) -> float:
+        """Move by one tick; returns the weight of one's own command, 0 to 1."""
+        self._u = min(self._u + self._step, 1.0)
+        return self._u * self._u * (3.0 - 2.0 * self._u)
+
+    def mix(self, own: Vector) -> Vector:
+        """Return the blended command (n,) [rad]."""
+        if self.done:
+            return own
+        weight = self._u * self._u * (3.0 - 2.0 * self._u)
+        return self._start + weight * (own - self._start)

@@ -1,4 +1,4 @@
-"""What a goal must be before anything moves. Every refusal says the value, the limit, and what to do."""
+"""What a goal must be before anything moves; a refusal says value, limit and what to do."""
 
 from dataclasses import dataclass
 
@@ -72,7 +72,8 @@ def check_place(message: PlaceGoal, hand_radius: tuple[float, float]) -> Goal:
     _check_point(point)
     if message.task == "contact" and normal[2] < DOWNWARD:
         raise GoalRefusedError(
-            f"the surface faces down (normal z {normal[2]:.2f}, limit {DOWNWARD}): a hand cannot lean on it"
+            f"the surface faces down (normal z {normal[2]:.2f}, limit {DOWNWARD}): "
+            "a hand cannot lean on it"
         )
     return Goal(
         goal_id=message.goal_id,
@@ -94,7 +95,8 @@ def _check_point(point: Vector) -> None:
         raise GoalRefusedError(f"the point is {z:.2f} m high, limit {HIGHEST} m")
     if from_axis < BODY_RADIUS:
         raise GoalRefusedError(
-            f"the point is inside the robot: {from_axis:.2f} m from its axis, at least {BODY_RADIUS} m needed"
+            f"the point is inside the robot: {from_axis:.2f} m from its axis, "
+            f"at least {BODY_RADIUS} m needed"
         )
     if x < BEHIND:
         raise GoalRefusedError(

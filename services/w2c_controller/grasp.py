@@ -1,4 +1,4 @@
-"""How an open hand points at what it reaches for: fingers first, from above and from the robot's side."""
+"""How an open hand points at what it reaches for: fingers first, from above."""
 
 import math
 
@@ -20,7 +20,8 @@ FACES_DOWN = -0.3
 def approach_direction(point: Vector, normal: Vector) -> Vector:
     """Return the direction (3,) in which the fingers of a reaching hand point, in the world.
 
-    Midway between straight ahead and into the surface, within the pitch that a wrist and a table allow.
+    Midway between straight ahead and into the surface, within the pitch that a wrist and a table
+    allow.
 
     Args:
         point: (3,) to be reached [m].
@@ -40,8 +41,8 @@ def approach_direction(point: Vector, normal: Vector) -> Vector:
 def pointing_rotation(fingers: Vector) -> Matrix:
     """Return world_from_hand (3, 3) of a hand whose fingers point this way, opened sideways.
 
-    The hand frame of Talos: fingers along -z, opening along y. Opened sideways, the fingers pass left and
-    right of what they reach for.
+    The hand frame of Talos: fingers along -z, opening along y. Opened sideways, the fingers pass
+    left and right of what they reach for.
     """
     z = -fingers
     sideways = unit(np.cross([0.0, 0.0, 1.0], fingers))

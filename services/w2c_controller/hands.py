@@ -1,4 +1,4 @@
-"""How each hand's target becomes the target of the QP: one filter a hand, reset while it is in contact."""
+"""How each hand's target becomes the target of the QP: one filter a hand, reset in contact."""
 
 import numpy as np
 import numpy.typing as npt
@@ -38,7 +38,7 @@ class Hands:
 
     def position(self, hand: int) -> Vector:
         """Return where the desired posture has a hand (3,), a copy [m]."""
-        return self._retargeting.kinematics.positions[hand].copy()
+        return np.array(self._retargeting.kinematics.positions[hand])
 
     def speed(self, hand: int) -> float:
         """Return how fast the desired posture moves a hand [m/s]."""

@@ -1,8 +1,9 @@
-"""The robot's model: what is constant (`ControlledModel`) and what depends on the posture (`Kinematics`).
+"""The robot's model: what is constant (`ControlledModel`), what depends on posture (`Kinematics`).
 
-q (nq,) = base position in the world, base quaternion xyzw, joints; v (nv,) = base twist in the base frame,
-linear then angular, joint velocities. Joints are in Pinocchio's order; `joint_indices` leads from the
-order of the bus.
+q (nq,) = base position in the world, base quaternion xyzw, joints; v (nv,) = base twist in the
+base frame,
+linear then angular, joint velocities. Joints are in Pinocchio's order; `joint_indices` leads from
+the order of the bus.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from w2c.errors import ConfigError
-from w2c.geometry import base_from_midfeet, quaternion_from_rotation
+from w2c.geometry import base_from_midfeet, inverse, quaternion_from_rotation
 from w2c.messages import RobotDescription
 
 Vector = npt.NDArray[np.float64]
@@ -21,7 +22,7 @@ Matrix = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 
 HELD_PREFIXES = ("head_", "gripper_")
-"""Joints that the QP does not move: the head looks, a gripper of 1 Nm effort makes any QP infeasible."""
+"""Joints that the QP does not move: the head looks, a gripper of 1 Nm effort is never feasible."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class ControlledModel:
         return int(self.model.nv) - 6
 
     def joints_of(self, index: int) -> Indices:
-        """Return the rows (in v) of the joints that move only this end effector's limb, base to tip."""
+        """Return the rows (in v) of the joints of this end effector's limb, base to tip."""
         joint = self.model.frames[self.frames[index]].parentJoint
         prefix = self.joint_names[joint - 2].rsplit("_", 2)[0]
         names = [i for i, name in enumerate(self.joint_names) if name.startswith(prefix)]
@@ -131,14 +132,14 @@ def standing_configuration(
     q[7:] = joints
     pin.framesForwardKinematics(model, data, q)
     left, right = (data.oMf[controlled.frames[k]].homogeneous.copy() for k in (0, 1))
-    world_from_base = np.linalg.inv(base_from_midfeet(left, right))
+    world_from_base = inverse(base_from_midfeet(left, right))
     q[:3] = world_from_base[:3, 3]
     q[3:7] = quaternion_from_rotation(world_from_base[:3, :3])
     return np.asarray(q, dtype=np.float64)
 
 
 def skew(vector: Vector) -> Matrix:
-    """Return [v]x (3, 3), so that skew(v) @ w = v x w."""
+    """Return the matrix [v]x (3, 3) of the cross product: [v]x w = v x w."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
@@ -146,9 +147,10 @@ def skew(vector: Vector) -> Matrix:
 class Kinematics:
     """Everything the QP needs of one posture under one set of contact wrenches.
 
-    Pinocchio hands out views of its data that the next call overwrites: all outputs here are copies in
-    preallocated arrays, and every `Kinematics` has data of its own, so that two of them may run in two
-    threads.
+    Pinocchio hands out views of its data that the next call overwrites: all outputs here are
+    copies in
+    preallocated arrays, and every `Kinematics` has data of its own, so that two of them may run
+    in two threads.
     """
 
     def __init__(self, controlled: ControlledModel) -> None:
@@ -202,8 +204,8 @@ class Kinematics:
 
         Args:
             q: (nq,)
-            wrenches: (4, 6) feet: force, torque in the sole frame; hands: force in the contact frame, 0.
-            contact_rotations: (4, 3, 3) world_from_contact; of the hands.
+            wrenches: (4, 6) feet: force, torque in the sole frame; hands: force in theirs, zeros.
+            contact_rotations: (4, 3, 3) world_from_contact, of the hands.
             enabled: Which contacts exist.
         """
         model, data = self.controlled.model, self._data

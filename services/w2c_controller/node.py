@@ -1,6 +1,7 @@
 """The controller on the bus: states in, commands out, goals from threads of their own.
 
-Real time: the newest state is answered; ticks that were missed are skipped, and the motion is slower by
+Real time: the newest state is answered; ticks that were missed are skipped, and the motion is
+slower by
 them. Lock step: every state is answered once, and one that comes again gets the same answer again.
 """
 
@@ -33,9 +34,9 @@ from w2c.messages import (
 )
 from w2c_controller.config import ControllerConfig
 from w2c_controller.controller import Controller
+from w2c_controller.events import Event, short_by
 from w2c_controller.parameters import EFFECTORS
 from w2c_controller.reach import LookAhead, preview_distance
-from w2c_controller.switching import Event
 from w2c_controller.timing import Timing
 
 STATUS_EVERY = 25
@@ -230,5 +231,5 @@ class ControllerNode:
         return PreviewReply(
             reachable=False,
             distance=distance,
-            reason=f"balance or the arm's length ends {100 * distance:.0f} cm short of the point",
+            reason=short_by(distance),
         )

@@ -29,15 +29,16 @@ class Weights:
     foot_position: float = 1e5
     foot_rotation: float = 1e4
     hand_position: float = 5e4
-    """SEIKO's is 5e3. With that, posture and torque costs hold a far reach 1 cm off its point long before
-    balance does, and the window that a support opens shrinks from 18 to 7 cm."""
+    """SEIKO's is 5e3. With that, posture and torque costs hold a far reach 1 cm off its point
+    long before balance does, and the window that a support opens shrinks from 18 to 7 cm."""
     hand_rotation: tuple[float, float] = (2e3, 0.0)
-    """Left, right. SEIKO's is 100 for both. Fingers keep their direction within 5 degrees with this;
-    the orientation of a ball means nothing."""
+    """Left, right. SEIKO's is 100 for both. Fingers keep their direction within 5 degrees with
+    this; the orientation of a ball means nothing."""
     arm_torque: float = 0.005
     body_torque: float = 2e-5
     plane_wrench: tuple[float, ...] = (0.002, 0.002, 2e-5, 0.002, 0.002, 0.002)
-    """Force x, y, z, torque x, y, z in the sole frame; the normal is cheap, so it shares the weight."""
+    """Force x, y, z, torque x, y, z in the sole frame; the normal is cheap, so it shares the
+    weight."""
     point_force: tuple[float, float, float] = (0.005, 0.005, 5e-5)
     """In the contact frame."""
     release_factor: float = 1e4
@@ -78,7 +79,8 @@ class Clamps:
     position: float = 0.04
     """[m]"""
     rotation: float = 10 * DEGREE
-    # The equalities ask to remove the whole drift in one tick. Unbounded, a drift of 0.3 N or 0.1 mm
+    # The equalities ask to remove the whole drift in one tick. Unbounded, a drift of 0.3 N or 0.1
+    # mm
     # makes the QP infeasible against its rate limits; bounded, 30 N are absorbed within seconds.
     bias_force: float = 0.05
     """Correction of the static equilibrium in one tick [N]."""

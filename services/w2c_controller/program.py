@@ -1,13 +1,17 @@
-"""Assembly of the Retargeting QP: x = [v (nv); wrench rates], one preallocated program a contact set.
+"""Assembly of the Retargeting QP, one preallocated program a contact set.
 
-With s(q, lambda) the static residual, T_q and T_l its derivatives and tau = s_J (see `model.Kinematics`),
+x = [v (nv); wrench rates].
+
+With s(q, lambda) the static residual, T_q and T_l its derivatives and tau = s_J (see
+`model.Kinematics`),
 
     min  sum w |J x - target|^2
     s.t. contact Jacobians v = drift / dt,   (T_q v + T_l lambda')_base = -s_base / dt,
-         joint, velocity, torque, wrench rate and normal force limits, friction cones after the step dt.
+         joint, velocity, torque, wrench rate and normal force limits, friction cones after the
+         step dt.
 
-Every limit is widened to what the state has already, so that x = 0 satisfies all inequalities: a state
-beyond a limit may not go farther, and is not thrown back within one tick.
+Every limit is widened to what the state has already, so that x = 0 satisfies all inequalities: a
+state beyond a limit may not go farther, and is not thrown back within one tick.
 """
 
 import numpy as np
@@ -77,7 +81,7 @@ class ProgramBuilder:
         return np.asarray(self._tasks[: self._nj] @ x)
 
     def _make_task_weights(self) -> Vector:
-        """Weights of the cost rows that do not change: torque, momentum; poses are set each tick."""
+        """Return the weights of the cost rows: torques, momentum, poses."""
         weights = np.zeros(self._tasks.shape[0])
         choice = self._parameters.weights
         for i, name in enumerate(self._controlled.joint_names):

@@ -1,6 +1,7 @@
 """How far a hand gets, found by running the Retargeting ahead of time to its stall.
 
-Used for laying out scenes, and for previews. Nothing here shares data with the controller's own model.
+Used for laying out scenes, and for previews. Nothing here shares data with the controller's own
+model.
 """
 
 from dataclasses import replace
@@ -23,7 +24,7 @@ from w2c_controller.stall import StallDetector
 Vector = npt.NDArray[np.float64]
 
 STEP = 0.01
-"""Period of the look-ahead [s]: five times the controller's; the limits are those of the controller."""
+"""Period of the look-ahead [s]: five times the controller's; limits are the controller's."""
 HASTE = 4.0
 """How much faster forces may change than on the robot: only the time to the stall depends on it."""
 LEAD = 0.03
@@ -89,7 +90,8 @@ class LookAhead:
         distance = self.move(hand, target)
         if distance > self._parameters.motion.reached_distance:
             raise ControlError(
-                f"the support at {np.round(target, 3).tolist()} cannot be reached: {distance:.3f} m are left"
+                f"the support at {np.round(target, 3).tolist()} cannot be reached: "
+                f"{distance:.3f} m are left"
             )
         self._retargeting.enable(hand, frame_from_normal(normal))
         for _ in range(PATIENCE):

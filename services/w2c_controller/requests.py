@@ -1,7 +1,7 @@
 """Goals on their way from the threads that serve calls to the tick that begins them.
 
-Admission reads a snapshot that the loop replaces once a tick, and appends to a deque: both are atomic in
-CPython, so neither side ever waits for the other.
+Admission reads a snapshot that the loop replaces once a tick, and appends to a deque: both are
+atomic in CPython, so neither side ever waits for the other.
 """
 
 from collections import deque
@@ -65,7 +65,7 @@ class Requests:
         self._admit(message.effective_tick, hand)
         if not self.situation.away[hand - 2] and message.effective_tick < 0:
             raise GoalRefusedError(
-                f"the {message.end_effector.replace('_', ' ')} is at rest: there is nothing to release"
+                f"the {message.end_effector.replace('_', ' ')} is at rest: nothing to release"
             )
         return self._put(Request(message.goal_id, hand, message.effective_tick, None))
 
@@ -88,8 +88,8 @@ class Requests:
         now = self.situation
         if now.busy_id and now.busy_hand != hand:
             return (
-                f"the {EFFECTORS[now.busy_hand].replace('_', ' ')} is on its way (goal '{now.busy_id}'); "
-                "wait for it, or release it"
+                f"the {EFFECTORS[now.busy_hand].replace('_', ' ')} is on its way "
+                f"(goal '{now.busy_id}'); wait for it, or release it"
             )
         return ""
 
@@ -113,7 +113,8 @@ class Requests:
         for request in tuple(self._slot):
             if request.hand != hand and effective_tick < 0 and request.start_tick < 0:
                 raise GoalRefusedError(
-                    f"goal '{request.goal_id}' of the other hand begins now; one hand moves at a time"
+                    f"goal '{request.goal_id}' of the other hand begins now; "
+                    "one hand moves at a time"
                 )
 
     def _put(self, request: Request) -> GoalReply:

@@ -1,7 +1,7 @@
 """SEIKO Retargeting: desired posture and contact wrenches, one QP a tick, integrated.
 
-Nothing measured enters. What comes out is a quasi-static motion that respects balance, friction, joint
-and torque limits, with targets followed as closely as those allow.
+Nothing measured enters. What comes out is a quasi-static motion that respects balance, friction,
+joint and torque limits, with targets followed as closely as those allow.
 """
 
 from collections.abc import Mapping

@@ -1,7 +1,8 @@
 """Loads on the end effectors from what the robot measures.
 
 Feet and left wrist have force-torque sensors. The ball-ended right arm has none: its force is the
-least-squares solution of J^T F = g(q) - tau over the arm's joints (quasi-static; four equations for three
+least-squares solution of J^T F = g(q) - tau over the arm's joints (quasi-static; four equations
+for three
 unknowns). The base, which nothing measures, is the one that keeps the feet where they stand.
 """
 
@@ -67,3 +68,28 @@ class LoadEstimator:
         normal_equations = jacobian @ jacobian.T + DAMPING * np.eye(3)
         hands[1] = np.linalg.solve(normal_equations, jacobian @ residual)
         return Measured(feet=feet, hands=self._hands.step(hands))
+
+
+class Feeler:
+    """What a hand feels since it was free: the force without what it read in the air."""
+
+    def __init__(self, normal: Vector | None = None) -> None:
+        """Start without a tare.
+
+        Args:
+            normal: (3,) unit, of the surface expected, in the world; None: up.
+        """
+        self.normal = np.array([0.0, 0.0, 1.0]) if normal is None else normal
+        self._tare = np.zeros(3)
+
+    def tare(self, force: Vector) -> None:
+        """Take a force (3,) measured in the air as zero."""
+        self._tare = force.copy()
+
+    def force(self, measured: Vector) -> float:
+        """Return the size of the force [N]; NaN where the sensor says so."""
+        return float(np.linalg.norm(measured - self._tare))
+
+    def normal_force(self, measured: Vector) -> float:
+        """Return the force out of the surface [N]."""
+        return float(self.normal @ (measured - self._tare))

@@ -23,7 +23,7 @@ _EQUALITY = 5
 
 @dataclass
 class Program:
-    """One QP. The rows of `rows` are the equalities, then the two-sided inequalities; reused in place."""
+    """One QP, reused in place. `rows` holds the equalities, then the two-sided inequalities."""
 
     hessian: Matrix
     """H (n, n), symmetric, positive definite"""
@@ -77,7 +77,10 @@ class UnsolvedError(SolverError):
 
 
 class DaqpSolver:
-    """Dual active set (Arnström, Bemporad and Axehill, IEEE TAC 2022). Exact, and fast while few rows are active."""
+    """Dual active set (Arnström, Bemporad and Axehill, IEEE TAC 2022): exact.
+
+    Fast while few rows are active.
+    """
 
     def __init__(self) -> None:
         self._senses: dict[tuple[int, int], npt.NDArray[np.int32]] = {}
@@ -111,7 +114,7 @@ class DaqpSolver:
 
 
 class PiqpSolver:
-    """Proximal interior point (Schwan, Jiang, Kuhn and Jones, CDC 2023). Slower, and robust to degeneracy."""
+    """Proximal interior point (Schwan, Jiang, Kuhn and Jones, CDC 2023): robust to degeneracy."""
 
     def solve(self, program: Program) -> Vector:
         """Return the optimum (n,). Raises SolverError."""

@@ -4,33 +4,28 @@
     reach:    hold -> approach -> reach                           as close as balance allows
     release:  contact -> unload -> retreat -> hold,   reach -> retreat -> hold
 
-A contact is enabled only by a measured touch, never in the air. Every phase that waits has a limit, and
-says why it gave up.
+A contact is enabled only by a measured touch, never in the air. Every phase that waits has a limit,
+and says why it gave up.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import frame_from_normal
+from w2c_controller.events import Event, EventState, GoalPhase, short_by
 from w2c_controller.goals import Goal
-from w2c_controller.grasp import approach_direction, pointing_rotation
+from w2c_controller.grasp import pointing_rotation
 from w2c_controller.hands import Hands
 from w2c_controller.parameters import EFFECTORS, HANDS, Motion
 from w2c_controller.retargeting import Retargeting
-from w2c_controller.sensing import Measured
+from w2c_controller.routes import approach, at, retreat, way_back
+from w2c_controller.sensing import Feeler, Measured
 from w2c_controller.stall import StallDetector
-from w2c_controller.trajectory import Leg, Path, curved, straight
+from w2c_controller.trajectory import Path
 
 Vector = npt.NDArray[np.float64]
-
-GoalPhase = Literal["hold", "approach", "touch", "load", "contact", "reach", "unload", "retreat"]
-EventState = Literal[
-    "accepted", "moving", "touched", "loaded", "reached", "unreachable", "released", "aborted"
-]
 
 SETTLE_TIME = 0.3
 """Rest above the surface, where the force estimate is tared [s]."""
@@ -38,18 +33,6 @@ SETTLE_DISTANCE = 0.015
 CONFIRM_TIME = 0.2
 """How long a load must be measured [s]."""
 BUSY = ("approach", "touch", "load", "unload", "retreat")
-
-
-@dataclass(frozen=True)
-class Event:
-    """A goal changed its state."""
-
-    goal_id: str
-    hand: int
-    task: str
-    state: EventState
-    reason: str = ""
-    distance: float = -1.0
 
 
 class Switching:
@@ -66,14 +49,13 @@ class Switching:
         self._lead = retargeting.parameters.filters.lead_position
         self._dt = retargeting.dt
         self._hand = HANDS[0]
-        self._normals = {k: np.array([0.0, 0.0, 1.0]) for k in HANDS}
+        self._feelers = {k: Feeler() for k in HANDS}
         self._away = {k: np.array([0.0, 0.0, 1.0]) for k in HANDS}
-        """Back the way each hand came: along the normal from a contact, against the fingers from a reach"""
-        self._path: Path | None = None
+        """Back the way each hand came: along the normal of a contact, against reaching fingers"""
+        self._path = at(hands.position(HANDS[0]))
         self._next: Goal | None = None
         self._elapsed = 0.0
         self._settled = 0.0
-        self._tare = {k: np.zeros(3) for k in HANDS}
         self._bump = False
         """Whether a reaching hand touched something on its way"""
         self._stall = StallDetector(self._motion, self._dt)
@@ -122,7 +104,7 @@ class Switching:
         for k in HANDS:
             self._retargeting.keep(k)
             self._hands.stop(k)
-        self._next, self._path = None, None
+        self._next = None
         self._enter("hold")
 
     def step(self, measured: Measured) -> list[Event]:
@@ -142,29 +124,22 @@ class Switching:
 
     def normal_load(self, hand: int, measured: Measured) -> float:
         """Return the measured normal force on a hand [N], without what it read in the air."""
-        force = measured.hands[hand - HANDS[0]] - self._tare[hand]
-        return float(self._normals[hand] @ force)
+        return self._feelers[hand].normal_force(measured.hands[hand - HANDS[0]])
 
     # --- beginnings ------------------------------------------------------------------------------
     def _begin_approach(self, goal: Goal) -> None:
         self.goal, self._hand, self.releasing_id = goal, goal.hand, ""
         self._next = None
-        self._normals[goal.hand] = goal.normal
-        self._tare[goal.hand] = np.zeros(3)
+        self._feelers[goal.hand] = Feeler(goal.normal)
         self._reported.clear()
         self._bump = False
-        motion = self._motion
-        away, end, speed = goal.normal, -motion.overtravel, motion.touch_speed
+        self._away[goal.hand] = way_back(goal)
         if goal.task == "reach":
-            away = -approach_direction(goal.target, goal.normal)
-            end, speed = motion.reach_standoff, motion.reach_speed
-            self._hands.rotations[goal.hand] = pointing_rotation(-away)
+            self._hands.rotations[goal.hand] = pointing_rotation(-self._away[goal.hand])
         else:
             self._hands.relax(goal.hand)
-        self._away[goal.hand] = away
-        via = goal.target + motion.via_height * away
-        first = curved(self._hands.position(goal.hand), via, away, motion.speed)
-        self._travel("approach", first, straight(via, goal.target + end * away, speed))
+        start = self._hands.position(goal.hand)
+        self._travel("approach", approach(goal, start, self._motion))
         self._emit("moving")
 
     def _begin_unload(self, hand: int) -> None:
@@ -174,15 +149,12 @@ class Switching:
 
     def _begin_retreat(self, hand: int) -> None:
         self._hand = hand
-        start = self._hands.position(hand)
-        lift = start + self._motion.retreat_height * self._away[hand]
         self._hands.relax(hand)
-        away = straight(start, lift, self._motion.speed)
-        up = np.array([0.0, 0.0, 1.0])
-        self._travel("retreat", away, curved(lift, self._hands.rest[hand], up, self._motion.speed))
+        start, rest = self._hands.position(hand), self._hands.rest[hand]
+        self._travel("retreat", retreat(start, self._away[hand], rest, self._motion))
 
-    def _travel(self, phase: GoalPhase, *legs: Leg) -> None:
-        self._path = Path(legs)
+    def _travel(self, phase: GoalPhase, path: Path) -> None:
+        self._path = path
         self._hands.targets[self._hand] = self._path.position()
         self._enter(phase)
 
@@ -196,8 +168,6 @@ class Switching:
     def _follow(self) -> bool:
         """Advance the path while the hand keeps up. Returns whether the hand is stuck."""
         path, hand = self._path, self._hand
-        if path is None:
-            raise RuntimeError(f"phase {self.phase} has no path")
         position = self._hands.position(hand)
         if float(np.linalg.norm(path.position() - position)) < self._lead:
             path.advance(self._dt)
@@ -206,7 +176,7 @@ class Switching:
         return self._stall.step(position)
 
     def _approach(self, measured: Measured) -> None:
-        goal, path = self._require_goal(), self._require_path()
+        goal, path = self._require_goal(), self._path
         stuck = self._follow()
         if goal.task == "reach":
             if stuck:
@@ -214,7 +184,7 @@ class Switching:
                 path.next_leg()
                 self._stall.reset()
             if path.leg == 0:
-                self._tare[self._hand] = measured.hands[self._hand - HANDS[0]].copy()
+                self._feelers[self._hand].tare(measured.hands[self._hand - HANDS[0]])
             elif self._bumped(measured):
                 self._enter("reach")
             elif path.finished or stuck:
@@ -229,19 +199,19 @@ class Switching:
 
     def _touch(self, measured: Measured) -> None:
         """Rest above the surface and tare, then go down until the surface stops the hand."""
-        path, hand = self._require_path(), self._hand
+        path, hand = self._path, self._hand
         above = path.legs[1].points[0]
         if self._settled < SETTLE_TIME:
             near = float(np.linalg.norm(self._hands.position(hand) - above)) < SETTLE_DISTANCE
             self._settled = self._settled + self._dt if near else 0.0
-            self._tare[hand] = measured.hands[hand - HANDS[0]].copy()
+            self._feelers[hand].tare(measured.hands[hand - HANDS[0]])
             if self._elapsed > self._motion.stall_time + SETTLE_TIME:
                 self._give_up(unreachable=True)
             return
         stuck = self._follow()
         force = self.normal_load(hand, measured)
         if force > self._motion.touch_force:
-            self._retargeting.enable(hand, frame_from_normal(self._normals[hand]))
+            self._retargeting.enable(hand, frame_from_normal(self._feelers[hand].normal))
             self._hands.stop(hand)
             self._emit("touched", f"measured {force:.0f} N")
             self._enter("load")
@@ -269,10 +239,10 @@ class Switching:
             self._begin_unload(self._hand)
 
     def _bumped(self, measured: Measured) -> bool:
-        """Stop a reaching hand that touches something, a little way back: it reaches, it does not push."""
+        """Stop a reaching hand that touches something: it reaches, it does not push."""
         hand = self._hand
-        force = measured.hands[hand - HANDS[0]] - self._tare[hand]
-        if not float(np.linalg.norm(force)) > self._motion.bump_force:
+        force = self._feelers[hand].force(measured.hands[hand - HANDS[0]])
+        if not force > self._motion.bump_force:
             return False
         self._hands.stop(hand)
         self._hands.targets[hand] += self._motion.bump_retreat * self._away[hand]
@@ -289,8 +259,8 @@ class Switching:
             if self._hands.speed(self._hand) < motion.reached_speed:
                 self._emit_once("reached", distance=distance)
         elif self._stall.step(self._hands.position(self._hand)):
-            cause = "something in the way" if self._bump else "balance or the arm's length"
-            reason = f"{cause} ends {100 * distance:.1f} cm short of the point"
+            blocked = self._bump
+            reason = short_by(distance, "something in the way") if blocked else short_by(distance)
             self._emit_once("unreachable", reason, distance)
 
     def _unload(self, _: Measured) -> None:
@@ -308,7 +278,7 @@ class Switching:
             self._enter("hold")
 
     def _retreat(self, _: Measured) -> None:
-        path = self._require_path()
+        path = self._path
         stuck = self._follow()
         if path.leg > 0 and self._next is not None:
             self._begin_approach(self._next)
@@ -324,7 +294,7 @@ class Switching:
         """End a contact goal that found no contact, and bring the hand back."""
         distance = self.distance()
         if unreachable:
-            reason = f"balance or the arm's length ends {100 * distance:.1f} cm short of the point"
+            reason = short_by(distance)
             self._emit("unreachable", reason, distance)
         self._emit("aborted", reason, distance)
         self.goal = None
@@ -345,8 +315,3 @@ class Switching:
         if self.goal is None:
             raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._hand]} has no goal")
         return self.goal
-
-    def _require_path(self) -> Path:
-        if self._path is None:
-            raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._hand]} has no path")
-        return self._path

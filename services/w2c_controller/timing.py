@@ -20,7 +20,7 @@ class Timing:
         """Intervals between two states of more than 20 ms, since the start"""
 
     def add(self, received_ns: int, begin_ns: int, end_ns: int) -> None:
-        """Note a tick: when its state came, and from when to when it was worked on [ns, monotonic]."""
+        """Note a tick [ns, monotonic]: arrival of its state, begin and end of the work on it."""
         at = self._count % KEPT
         interval = begin_ns - self._last_ns if self._last_ns >= 0 else self._period_ns
         self._last_ns = begin_ns

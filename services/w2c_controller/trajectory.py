@@ -1,7 +1,7 @@
 """The way of a hand: a curve to a point above the target, then straight down along the normal.
 
-Each leg is a cubic Bezier curve travelled with the minimum-jerk time law s(u) = 10u^3 - 15u^4 + 6u^5,
-whose top speed is 1.875 length / duration: it starts and ends at rest.
+Each leg is a cubic Bezier curve travelled with the minimum-jerk time law s(u) = 10u^3 - 15u^4 +
+6u^5, whose top speed is 1.875 length / duration: it starts and ends at rest.
 """
 
 from dataclasses import dataclass

@@ -21,7 +21,9 @@ def reference_file(name: str) -> Path:
     for folder in folders:
         if (folder / name).is_file():
             return folder / name
-    pytest.skip(f"{name} of the SEIKO reference is not on this machine; set W2C_REFERENCE to its folder")
+    pytest.skip(
+        f"{name} of the SEIKO reference is not on this machine; set W2C_REFERENCE to its folder"
+    )
 
 
 def reference_model() -> ControlledModel:
@@ -44,7 +46,9 @@ def reference_model() -> ControlledModel:
     for i, name in enumerate(tables["frame_names"]):
         parent = joints[tables["frame_parent"][i]]
         placement = pin.SE3(tables["frame_placement"][i])
-        frames.append(model.addFrame(pin.Frame(str(name), parent, 0, placement, pin.FrameType.OP_FRAME)))
+        frames.append(
+            model.addFrame(pin.Frame(str(name), parent, 0, placement, pin.FrameType.OP_FRAME))
+        )
     return ControlledModel(
         model=model,
         frames=(frames[0], frames[1], frames[2], frames[3]),

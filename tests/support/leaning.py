@@ -1,16 +1,25 @@
 """The paper's scenario (a), robot and controller in one process, without bus, words or pictures.
 
-Asked at once, the cup is out of reach and the robot stays balanced; leaning on the book, it is reached.
+Asked at once, the cup is out of reach and the robot stays balanced; leaning on the book, it is
+reached.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from w2c.messages import PlaceGoal, ReleaseGoal, RobotDescription
+from w2c.messages import (
+    Array,
+    EndEffector,
+    PlaceGoal,
+    ReleaseGoal,
+    RobotDescription,
+    Task,
+)
+from w2c.messages.robot import DriverMode
 from w2c_controller.controller import Controller
+from w2c_controller.events import Event
 from w2c_controller.reach import farthest_reach
-from w2c_controller.switching import Event
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import build_model
 from w2c_sim_robot.physics import Simulator
@@ -72,7 +81,7 @@ class ClosedLoop:
     def run(self, seconds: float, until: tuple[str, ...] = ()) -> str:
         """Run; returns the event that ended it, "" at the end of time or after a fall."""
         for _ in range(round(seconds / PERIOD_S)):
-            mode = "tracking" if self._command_tick >= 0 else "holding"
+            mode: DriverMode = "tracking" if self._command_tick >= 0 else "holding"
             state = self.simulator.state(command_tick=self._command_tick, mode=mode)
             command = self.controller.tick(state)
             self._command_tick = command.tick
@@ -86,12 +95,12 @@ class ClosedLoop:
                 return ""
         return ""
 
-    def gap(self, hand: int, point: np.ndarray) -> float:
+    def gap(self, hand: int, point: Array) -> float:
         """Return the true distance between a hand's frame and a point [m]."""
         return float(np.linalg.norm(self.simulator.truth().end_effector_positions[hand] - point))
 
 
-def place(goal_id: str, hand: str, task: str, point: np.ndarray) -> PlaceGoal:
+def place(goal_id: str, hand: EndEffector, task: Task, point: Array) -> PlaceGoal:
     """Return a goal on an upward surface."""
     return PlaceGoal(goal_id=goal_id, end_effector=hand, task=task, point=point, normal=UP)
 
