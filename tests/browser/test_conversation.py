@@ -94,6 +94,17 @@ def test_a_refused_utterance_shows_the_reason(world: ConsoleWorld, open_page: Op
     page.get_by_text("I see no unicorn <b>here</b>").wait_for()  # as text, never as markup
 
 
+def test_an_announcement_of_the_robot_needs_no_words_of_the_operator(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    page = open_page()
+    world.dialogue.turn("", "none", "I gave up on the target.", ok=False)
+    page.get_by_role("log").get_by_text("I gave up on the target.").wait_for()
+    assert page.get_by_role("log").locator(".said").count() == 0
+    world.dialogue.turn("", "confirmation", "I lean on it.")
+    page.get_by_role("log").get_by_text("(confirms)").wait_for()
+
+
 def test_the_page_reconnects_by_itself_and_keeps_the_conversation(
     world: ConsoleWorld, console: Any, open_page: Open
 ) -> None:

@@ -2,7 +2,7 @@
 /** The picture and what is drawn on it. Both change in the same instant: a marker on another picture would lie. */
 
 import { Connection } from "./connection.js";
-import { byId, makeSvg } from "./dom.js";
+import { byId, makeSvg, shortId } from "./dom.js";
 
 const DOT_RADIUS = 5;
 const RING_RADIUS = 18;
@@ -162,7 +162,7 @@ function markerShape(marker, header) {
     makeSvg(
       "text",
       { x: leftwards ? u - 28 : u + 28, y: v + 7, "text-anchor": leftwards ? "end" : "start" },
-      marker.target_id,
+      shortId(marker.target_id),
     ),
   );
 }

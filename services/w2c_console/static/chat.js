@@ -2,9 +2,11 @@
 /** The conversation: what was said, what was answered, what the robot did about it. */
 
 import { RequestError, post } from "./api.js";
-import { byId, duration, make, timeOfDay } from "./dom.js";
+import { byId, duration, make, shortId, timeOfDay } from "./dom.js";
 
 const ANSWER_MS = 125_000;
+/** What the operator did where nothing was said, by the module that answered. */
+const WORDLESS = /** @type {Record<string, string>} */ ({ point: "(points)", confirmation: "(confirms)" });
 
 /**
  * @typedef {{
@@ -78,15 +80,16 @@ export class Chat {
     this.shown.add(turn.key);
     this.pending.get(turn.text)?.remove();
     this.pending.delete(turn.text);
+    const said = turn.text || (WORDLESS[turn.module] ?? "");
     const parts = Object.entries(turn.steps).map(([name, seconds]) => `${name} ${duration(seconds)}`);
-    const about = [timeOfDay(turn.time_ms), turn.module, turn.target_id, duration(turn.seconds)];
+    const about = [timeOfDay(turn.time_ms), turn.module, shortId(turn.target_id), duration(turn.seconds)];
     const meta = make("p", { class: "meta" }, about.filter((part) => part !== "").join(" · "));
     if (parts.length > 0) meta.append(make("span", { class: "steps" }, parts.join(" · ")));
     this.append(
       make(
         "li",
         { class: "turn" },
-        make("p", { class: "bubble said" }, turn.text),
+        ...(said === "" ? [] : [make("p", { class: "bubble said" }, said)]),
         make("p", { class: turn.ok ? "bubble reply" : "bubble reply failed" }, turn.reply),
         meta,
       ),

@@ -4,7 +4,7 @@
 import { Camera } from "./camera.js";
 import { Chat } from "./chat.js";
 import { Connection } from "./connection.js";
-import { byId } from "./dom.js";
+import { byId, shortId } from "./dom.js";
 import { showPanels } from "./panels.js";
 import { Stop } from "./stop.js";
 
@@ -46,7 +46,7 @@ confirmButton.addEventListener("click", async () => {
   if (shown === null || confirming) return;
   confirming = true;
   showTarget();
-  await chat.ask("/api/confirm", { target_id: shown.target_id }, `(confirms ${shown.target_id})`);
+  await chat.ask("/api/confirm", { target_id: shown.target_id }, `(confirms ${shortId(shown.target_id)})`);
   confirming = false;
   showTarget();
 });
@@ -95,7 +95,7 @@ function showTarget() {
   const marker = camera.marker;
   const connected = heard.camera && heard.news;
   confirmButton.disabled = marker === null || marker.state !== "proposed" || !connected || confirming;
-  confirmButton.textContent = marker?.state === "proposed" ? `Confirm ${marker.target_id}` : "Confirm";
+  confirmButton.textContent = marker?.state === "proposed" ? `Confirm ${shortId(marker.target_id)}` : "Confirm";
   const name = byId("target-name", HTMLElement);
   const words = byId("target-words", HTMLElement);
   const warning = byId("target-warning", HTMLElement);
@@ -108,7 +108,8 @@ function showTarget() {
   }
   const corrections = known?.corrections ?? 0;
   const corrected = corrections > 0 ? `, corrected ${corrections}×` : "";
-  name.textContent = `Target ${marker?.target_id ?? known?.target_id}: ${(marker ?? known)?.state.replace("_", " ")}${corrected}`;
+  const id = shortId(marker?.target_id ?? known?.target_id ?? "");
+  name.textContent = `Target ${id}: ${(marker ?? known)?.state.replace("_", " ")}${corrected}`;
   // Words and warning come by another stream: they are shown only with the target they belong to.
   const belongs = marker === null || known?.target_id === marker.target_id;
   words.textContent = belongs && known?.instruction ? `“${known.instruction}”` : "";

@@ -43,6 +43,14 @@ export function makeSvg(tag, attributes = {}, ...children) {
 }
 
 /**
+ * Return an identifier without the word that the page says anyway.
+ * @param {string} targetId
+ */
+export function shortId(targetId) {
+  return targetId.replace(/^target-/, "");
+}
+
+/**
  * Return a duration for people.
  * @param {number} seconds
  */

@@ -5,6 +5,8 @@ import { byId, duration, make } from "./dom.js";
 
 /** Load of a full bar [N]: about the weight that one foot of a Talos carries. */
 const FULL_LOAD = 600;
+/** Phases in which the last goal is history. */
+const RESTING = new Set(["starting", "hold", "stopped"]);
 
 /**
  * @typedef {{name: string, in_contact: boolean, load: number, desired_load: number}} Contact
@@ -49,12 +51,11 @@ function robotLines(robot, controller) {
     chips.append(chip("controller", "unknown", "absent"));
     return [chips];
   }
-  chips.append(
-    chip("controller", controller.stale ? "silent" : controller.phase, controller.stale ? "bad" : "good"),
-  );
+  const bad = controller.stale || controller.phase === "stopped";
+  chips.append(chip("controller", controller.stale ? "silent" : controller.phase, bad ? "bad" : "good"));
   const lines = [chips];
   if (controller.stale) lines.push(make("p", { class: "warning" }, `last word ${duration(controller.age_s)} ago:`));
-  if (controller.goal_id !== "") lines.push(make("p", {}, goalText(controller)));
+  if (controller.goal_id !== "" && !RESTING.has(controller.phase)) lines.push(make("p", {}, goalText(controller)));
   if (controller.message !== "") lines.push(make("p", { class: "message" }, controller.message));
   lines.push(make("div", { class: "contacts" }, ...controller.contacts.map(contactRow)));
   lines.push(make("p", { class: "muted timing" }, timingText(controller)));
@@ -92,7 +93,7 @@ function contactRow(contact) {
     { class: contact.in_contact ? "contact on" : "contact", role: "group", "aria-label": contact.name },
     make("span", { class: "name" }, lamp(contact.in_contact ? "good" : "absent"), contact.name),
     make("span", { class: "bar" }, bar, ...(contact.in_contact ? [wish] : [])),
-    make("span", { class: "value" }, `${contact.load.toFixed(0)} N`),
+    make("span", { class: "value" }, `${Math.round(contact.load) || 0} N`), // never "-0"
   );
   row.title = `measured ${contact.load.toFixed(1)} N, desired ${contact.desired_load.toFixed(1)} N`;
   return row;

@@ -33,7 +33,7 @@ class FakeLine:
         if self.breaks:
             raise ZeroDivisionError("division by zero")
         if self.hangs:
-            self.let_go.wait(timeout_s)
+            self.let_go.wait(30.0)
         if self.fails:
             raise UnavailableError("nobody answers")
         return StopReply(mode=self.mode, stamp_ns=42)
