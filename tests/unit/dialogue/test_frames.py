@@ -1,0 +1,75 @@
+"""Pictures are found by stamp, with the camera's pose, and forgotten in order."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from w2c.errors import RefusedError
+from w2c.messages import CameraView
+from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM, FrameStore, pixels_per_cm, project
+from w2c_dialogue.interfaces import Frame
+
+
+def frame(stamp_ns: int) -> Frame:
+    return Frame(stamp_ns, 1280, 720, b"jpeg")
+
+
+def view(stamp_ns: int) -> CameraView:
+    return CameraView(
+        stamp_ns=stamp_ns,
+        world_from_camera=np.eye(4),
+        intrinsics=(800.0, 800.0, 640.0, 360.0),
+        width=1280,
+        height=720,
+    )
+
+
+def test_minus_one_is_the_newest_picture_whose_pose_is_known() -> None:
+    store = FrameStore()
+    store.add_frame(frame(1))
+    store.add_frame(frame(2))
+    assert store.find(-1).stamp_ns == 2
+    store.add_view(view(1))
+    found = store.find(-1)
+    assert found.stamp_ns == 1
+    assert found.view is not None
+
+
+def test_the_oldest_is_forgotten_and_said() -> None:
+    store = FrameStore(kept=2)
+    for stamp in (1, 2, 3):
+        store.add_frame(frame(stamp))
+    with pytest.raises(RefusedError, match="stamp 1"):
+        store.find(1, wait_s=60.0)
+    assert store.find(2).stamp_ns == 2
+
+
+def test_a_picture_on_its_way_is_waited_for_with_its_pose() -> None:
+    store = FrameStore()
+    store.add_frame(frame(1))
+    store.add_view(view(1))
+    found: list[Frame] = []
+    thread = threading.Thread(target=lambda: found.append(store.find(2, wait_s=60.0)))
+    thread.start()
+    store.add_frame(frame(2))
+    store.add_view(view(2))
+    thread.join(10.0)
+    assert found
+    assert found[0].stamp_ns == 2
+    assert found[0].view is not None
+
+
+def test_no_camera_is_said_at_once() -> None:
+    with pytest.raises(RefusedError, match="camera does not send"):
+        FrameStore().find(-1, wait_s=60.0)
+
+
+def test_projection_and_scale() -> None:
+    point = np.array([0.1, -0.05, 0.8])
+    assert project(point, view(1)) == pytest.approx((740.0, 310.0))
+    assert project(np.array([0.0, 0.0, -1.0]), view(1)) is None
+    assert project(np.array([5.0, 0.0, 1.0]), view(1)) is None
+    assert pixels_per_cm(point, view(1)) == pytest.approx(10.0)
+    assert pixels_per_cm(point * 2, view(1)) == pytest.approx(5.0)
+    assert pixels_per_cm(None, view(1)) == DEFAULT_PIXELS_PER_CM
