@@ -1,0 +1,47 @@
+"""Cones against their definition, and the order of variables."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from w2c_controller.contacts import ContactLayout, plane_cone, point_cone
+from w2c_controller.parameters import Limits
+
+LIMITS = Limits()
+force = st.floats(-150.0, 150.0)
+torque = st.floats(-10.0, 10.0)
+
+
+@given(force, force, st.floats(0.0, 500.0), torque, torque, torque)
+def test_plane_cone_is_the_rectangular_contact_of_caron(
+    fx: float, fy: float, fz: float, tx: float, ty: float, tz: float
+) -> None:
+    mu, x, y = LIMITS.friction, LIMITS.cop_x, LIMITS.cop_y
+    reach = mu * (x + y) * fz
+    margins = [
+        mu * fz - abs(fx),
+        mu * fz - abs(fy),
+        y * fz - abs(tx),
+        x * fz - abs(ty),
+        tz - (-reach + abs(y * fx - mu * tx) + abs(x * fy - mu * ty)),
+        (reach - abs(y * fx + mu * tx) - abs(x * fy + mu * ty)) - tz,
+    ]
+    rows = plane_cone(LIMITS) @ np.array([fx, fy, fz, tx, ty, tz])
+    if abs(min(margins)) > 1e-9:
+        assert bool((rows <= 0).all()) == (min(margins) > 0)
+
+
+@given(force, force, st.floats(0.0, 150.0))
+def test_point_cone_is_a_pyramid(fx: float, fy: float, fz: float) -> None:
+    rows = point_cone(LIMITS) @ np.array([fx, fy, fz])
+    margin = LIMITS.friction * fz - max(abs(fx), abs(fy))
+    if abs(margin) > 1e-9:
+        assert bool((rows <= 0).all()) == (margin > 0)
+
+
+def test_sizes_are_those_of_the_published_problem() -> None:
+    feet = ContactLayout((True, True, False, False), 31)
+    leaning = ContactLayout((True, True, False, True), 31)
+    assert (feet.size, feet.equality_rows) == (43, 18)
+    assert (leaning.size, leaning.equality_rows) == (46, 21)
+    assert leaning.slices[3] == slice(43, 46)
