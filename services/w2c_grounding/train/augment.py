@@ -23,9 +23,11 @@ def vary(
     pixels = _relight(pixels, generator)
     noise = 0.03 * _uniform((len(pixels), 1, 1, 1), 0, 1, generator)
     pixels = pixels + noise * torch.randn(pixels.shape, generator=generator)
-    blurred = functional.avg_pool2d(pixels, 3, stride=1, padding=1, count_include_pad=False)
-    soft = _uniform((len(pixels), 1, 1, 1), 0, 1, generator) < 0.2
-    return torch.where(soft, blurred, pixels).clamp(0, 1), identities
+    soft = _uniform((len(pixels),), 0, 1, generator) < 0.2
+    pixels[soft] = functional.avg_pool2d(
+        pixels[soft], 3, stride=1, padding=1, count_include_pad=False
+    )
+    return pixels.clamp(0, 1), identities
 
 
 def normalise(pixels: torch.Tensor) -> torch.Tensor:
@@ -44,10 +46,10 @@ def _uniform(
 def _reframe(
     pixels: torch.Tensor, identities: torch.Tensor, generator: torch.Generator
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """Mirror half of the pictures, and shift, zoom and slightly stretch half of them."""
+    """Mirror half of the pictures, and shift, zoom and slightly stretch most of them."""
     count = len(pixels)
-    zoom = _uniform((count, 1), 0.65, 1.1, generator) * _uniform((count, 2), 0.92, 1.08, generator)
-    whole = _uniform((count, 1), 0, 1, generator) < 0.5
+    zoom = _uniform((count, 1), 0.5, 1.1, generator) * _uniform((count, 2), 0.92, 1.08, generator)
+    whole = _uniform((count, 1), 0, 1, generator) < 0.4
     zoom = torch.where(whole, torch.ones_like(zoom), zoom)
     # A crop stays inside the picture where it can.
     room = (1.0 - zoom).abs()
