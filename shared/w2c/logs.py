@@ -3,9 +3,15 @@
 import json
 import logging
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from w2c.errors import ConfigError
+from w2c import topics
+from w2c.bus import Bus
+from w2c.errors import BusError, ConfigError, MessageError
+from w2c.messages import LogRecord
 
 LEVELS = {
     "debug": logging.DEBUG,
@@ -61,3 +67,38 @@ def configure_logs(service: str, level: str, run_directory: str) -> None:
             ) from error
         file.setFormatter(JsonFormatter())
         root.addHandler(file)
+
+
+class BusHandler(logging.Handler):
+    """Publishes what is logged, so that the recording has it."""
+
+    def __init__(self, bus: Bus) -> None:
+        super().__init__(logging.INFO)
+        self._bus = bus
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Publish one record; one that cannot be published is counted, never raised at the logger."""
+        try:
+            self._bus.publish(
+                topics.LOG,
+                LogRecord(
+                    stamp_ns=time.time_ns(),
+                    level=record.levelname.lower(),
+                    logger=record.name[:100],
+                    text=record.getMessage()[:20_000],
+                    fields={key: value[:1000] for key, value in extra_fields(record).items()},
+                ),
+            )
+        except (BusError, MessageError):
+            self._bus.count("log not published")
+
+
+@contextmanager
+def logs_on(bus: Bus) -> Iterator[None]:
+    """Publish the log of this process while the block runs."""
+    handler = BusHandler(bus)
+    logging.getLogger().addHandler(handler)
+    try:
+        yield
+    finally:
+        logging.getLogger().removeHandler(handler)

@@ -18,7 +18,8 @@ class RouterConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     listen: str = "tcp/127.0.0.1:7447"
     """Endpoint to listen at. A non-loopback address needs TLS and access control: see deploy/."""
     zenoh_config: str = ""
-    """A Zenoh configuration file (JSON5) to start from: TLS, users, access control."""
+    """A Zenoh configuration file (JSON5): TLS, users, access control. It names the endpoints, too:
+    `--listen` is then not used."""
 
 
 def open_router(config: RouterConfig) -> zenoh.Session:

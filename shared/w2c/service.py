@@ -21,7 +21,7 @@ from w2c.clock import Clock, RealClock
 from w2c.config import ServiceConfig, fail, parse
 from w2c.errors import W2CError
 from w2c.extras import needs_extra
-from w2c.logs import configure_logs
+from w2c.logs import configure_logs, logs_on
 from w2c.messages import Health
 
 C = TypeVar("C", bound=ServiceConfig)
@@ -148,7 +148,8 @@ def main(
         configure_logs(service, config.log_level, config.run_directory)
         endpoint = config.robot_endpoint if on_robot_host else config.router
         with connect_hub(config, service) if hub else connect(config, service, [endpoint]) as bus:
-            run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop)
+            with logs_on(bus):
+                run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop)
     except W2CError as error:
         logging.getLogger("w2c.service").error("%s", error)
         return fail(error, program)
