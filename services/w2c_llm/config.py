@@ -23,7 +23,7 @@ class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     """CPU threads of the model."""
     gpu_layers: Annotated[int, msgspec.Meta(ge=-1)] = 0
     """Layers on the GPU, where llama.cpp was built for one; -1: all."""
-    queue: Annotated[int, msgspec.Meta(ge=1, le=1000)] = 16
+    queue: Annotated[int, msgspec.Meta(ge=1, le=64)] = 8
     """Requests that may wait; more are refused."""
     deadline: Annotated[float, msgspec.Meta(gt=0, le=600)] = 55.0
     """Longest time of a request, waiting included [s]."""

@@ -73,12 +73,19 @@ class Engine:
         """Load the model and warm it up.
 
         Raises:
+            ModelError: it took too long.
             W2CError: the model cannot be loaded; the error of `make_backend`.
         """
         loaded: Future[int] = Future()
         self._spawn(lambda: self._own(loaded))
         # A backend that several threads may use (a remote one) gets more of them.
-        for _ in range(loaded.result(timeout_s) - 1):
+        try:
+            concurrent_calls = loaded.result(timeout_s)
+        except FutureTimeout:
+            raise ModelError(
+                f"the model was not loaded within {timeout_s:g} s; use a smaller one"
+            ) from None
+        for _ in range(concurrent_calls - 1):
             self._spawn(lambda: self._serve(self._backend))
 
     def submit(self, work: Work[T], timeout_s: float) -> Done[T]:

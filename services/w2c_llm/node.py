@@ -136,11 +136,13 @@ def read_key(path: str) -> str:
         ConfigError: the file cannot be read, or holds no key. The message never holds the key.
     """
     if not path:
-        return os.environ.get("OPENAI_API_KEY", "")
-    try:
-        key = Path(path).read_text().strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"the key file {path} cannot be read: {type(error).__name__}") from None
-    if not key or not key.isprintable() or " " in key:
-        raise ConfigError(f"the key file {path} must hold one key and nothing else")
+        key, source = os.environ.get("OPENAI_API_KEY", ""), "the variable OPENAI_API_KEY"
+    else:
+        source = f"the key file {path}"
+        try:
+            key = Path(path).read_text().strip()
+        except (OSError, UnicodeDecodeError) as error:
+            raise ConfigError(f"{source} cannot be read: {type(error).__name__}") from None
+    if (path and not key) or not key.isascii() or not key.isprintable() or " " in key:
+        raise ConfigError(f"{source} must hold one key and nothing else")
     return key

@@ -32,6 +32,7 @@ def train(arguments: list[str] | None = None) -> int:
             feed_forward=options.feed_forward,
             batch=options.batch,
             peak_rate=options.rate,
+            prompt_weight=options.prompt_weight,
             threads=options.threads,
             weights=options.weights,
             seed=options.seed,
@@ -67,6 +68,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--feed-forward", type=int, default=704)
     parser.add_argument("--batch", type=int, default=48, help="examples a step")
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
+    parser.add_argument(
+        "--prompt-weight", type=float, default=0.2, help="of a prompt's token in the loss"
+    )
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--weights", choices=("f32", "f16", "q8_0"), default="q8_0")
     parser.add_argument("--seed", type=int, default=0)

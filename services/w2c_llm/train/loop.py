@@ -28,7 +28,7 @@ class Recipe:
     warm_up: float = 0.02
     """Share of the budget in which the learning rate rises"""
     weight_decay: float = 0.05
-    prompt_weight: float = 0.0
+    prompt_weight: float = 0.2
     """Weight of a token of the prompt in the loss; an answer's token has 1"""
     seed: int = 0
     report_every: int = 200
@@ -109,8 +109,8 @@ class Trainer:
         self.network.train()
         losses: list[float] = []
         while self.progress.fraction(self.recipe) < 1.0:
-            # Each epoch has its own order, the same in a resumed run.
-            random = np.random.default_rng((self.recipe.seed, self.progress.epoch))
+            # A resumed run draws an order of its own, or it would begin with what it has seen.
+            random = np.random.default_rng((self.recipe.seed, self.progress.examples))
             for batch in shuffled_batches(
                 examples, self.recipe.batch, self.recipe.prompt_weight, random
             ):

@@ -37,6 +37,7 @@ class TrainingPlan:
     feed_forward: int = 704
     batch: int = 48
     peak_rate: float = 2e-3
+    prompt_weight: float = 0.2
     threads: int = 1
     weights: Weights = "q8_0"
     seed: int = 0
@@ -112,6 +113,7 @@ def _recipe(plan: TrainingPlan) -> Recipe:
         steps=plan.steps,
         batch=plan.batch,
         peak_rate=plan.peak_rate,
+        prompt_weight=plan.prompt_weight,
         seed=plan.seed,
     )
 
