@@ -77,7 +77,7 @@ class BusHandler(logging.Handler):
         self._bus = bus
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish one record; one that cannot be published is counted, never raised at the logger."""
+        """Publish one record; one that cannot be published is counted, never raised."""
         try:
             self._bus.publish(
                 topics.LOG,

@@ -147,9 +147,9 @@ def main(
 
         configure_logs(service, config.log_level, config.run_directory)
         endpoint = config.robot_endpoint if on_robot_host else config.router
-        with connect_hub(config, service) if hub else connect(config, service, [endpoint]) as bus:
-            with logs_on(bus):
-                run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop)
+        opened = connect_hub(config, service) if hub else connect(config, service, [endpoint])
+        with opened as bus, logs_on(bus):
+            run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop)
     except W2CError as error:
         logging.getLogger("w2c.service").error("%s", error)
         return fail(error, program)
