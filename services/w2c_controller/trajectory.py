@@ -1,7 +1,7 @@
 """The way of a hand: a curve to a point above the target, then straight down along the normal.
 
-Each leg is a cubic Bezier curve travelled with the minimum-jerk time law s(u) = 10u^3 - 15u^4 +
-6u^5, whose top speed is 1.875 length / duration: it starts and ends at rest.
+Each leg is a cubic Bezier curve travelled with the minimum-jerk time law
+s(u) = 10u^3 - 15u^4 + 6u^5: it starts and ends at rest.
 """
 
 from dataclasses import dataclass
@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 Vector = npt.NDArray[np.float64]
 
-_PEAK = 1.875
-_SAMPLES = 32
+_SAMPLES = 100
 _SHORTEST = 0.2
 
 
@@ -28,25 +27,21 @@ class Leg:
     def position(self, time: float) -> Vector:
         """Return the point (3,) at a time since the start of the leg; its ends hold outside."""
         u = min(max(time / self.duration, 0.0), 1.0)
-        s = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u)
-        weights = np.array([(1 - s) ** 3, 3 * s * (1 - s) ** 2, 3 * s * s * (1 - s), s**3])
-        return np.asarray(weights @ self.points)
+        return np.asarray(_bezier(np.array(u)) @ self.points)
 
 
-def _length(points: Vector) -> float:
-    s = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
-    curve = (
-        (1 - s) ** 3 * points[0]
-        + 3 * s * (1 - s) ** 2 * points[1]
-        + 3 * s * s * (1 - s) * points[2]
-        + s**3 * points[3]
-    )
-    return float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum())
+def _bezier(u: Vector) -> Vector:
+    """Return the weights (..., 4) of the control points at a share u of the duration."""
+    s = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u)
+    rest = 1.0 - s
+    return np.stack([rest**3, 3 * s * rest**2, 3 * s * s * rest, s**3], axis=-1)
 
 
 def make_leg(points: Vector, speed: float) -> Leg:
-    """Return the leg with this top speed [m/s]."""
-    return Leg(points, max(_PEAK * _length(points) / speed, _SHORTEST))
+    """Return the leg through control points (4, 3) with this top speed [m/s]."""
+    curve = _bezier(np.linspace(0.0, 1.0, _SAMPLES + 1)) @ points
+    fastest = float(np.linalg.norm(np.diff(curve, axis=0), axis=1).max()) * _SAMPLES
+    return Leg(points, max(fastest / speed, _SHORTEST))
 
 
 def straight(start: Vector, end: Vector, speed: float) -> Leg:

@@ -58,7 +58,10 @@ def test_joint_limits_are_kept_with_their_margin(model: ControlledModel, joints:
     lean.reset(joints)
     _pull(lean, np.array([0.2, 0.9, 1.9]), 500)
     margin = np.array(
-        [Limits().joint_margin * Limits().joint_margin_factors.get(n, 1.0) for n in model.joint_names]
+        [
+            Limits().joint_margin * Limits().joint_margin_factors.get(n, 1.0)
+            for n in model.joint_names
+        ]
     )
     q = lean.state.q[7:]
     below, above = q - (model.lower + margin), (model.upper - margin) - q

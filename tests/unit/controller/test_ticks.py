@@ -71,7 +71,7 @@ def test_all_ticks_agree_with_the_reference(
 ) -> None:
     solver, builders = DaqpSolver(), {}  # type: ignore[var-annotated]
     beyond = {}
-    for tick in range(0, 1200, 3):
+    for tick in range(0, 1200, 6):
         program, optimum = _program(talos, ticks, tick, builders)
         difference = float(np.abs(solver.solve(program) - optimum).max())
         if difference > TOLERANCE:
