@@ -58,8 +58,8 @@ class CameraNode:
             received = self._truth.wait(_POLL_S)
             if received is not None:
                 self._publish(received)
-                # From now, not from the last deadline: a camera that is late does not hurry after.
-                next_ns = self._clock.now_ns() + period_ns
+                # Steady where it can be; a camera that is late does not hurry after.
+                next_ns = max(next_ns + period_ns, self._clock.now_ns())
             self._do_jobs(0.0)
 
     def close(self) -> None:

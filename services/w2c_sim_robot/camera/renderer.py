@@ -43,7 +43,8 @@ class Renderer:
         model.vis.global_.offheight = SUPERSAMPLING * height
         model.vis.quality.offsamples = hardware_samples
         self._scene = mujoco.MjvScene(model, maxgeom=4000)
-        self._context = make_context(SUPERSAMPLING * width, SUPERSAMPLING * height)
+        # Small: what is drawn goes to a buffer of MuJoCo's, not to the context's own.
+        self._context = make_context(16, 16)
         self._context.make_current()
         self._gpu = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._gpu)
