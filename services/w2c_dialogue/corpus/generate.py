@@ -12,19 +12,22 @@ from w2c_dialogue.corpus.confirmations import confirmation
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.noise import disturb
-from w2c_dialogue.prompts.base import CorrectionScene, Move, Question, SceneObject
+from w2c_dialogue.prompts.base import MODULES, CorrectionScene, Move, Question, SceneObject
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
 from w2c_dialogue.utterance import Mention, Utterance
 
 PROMPTS = EmbeddedPrompts()
 SHARES = (
-    ("select", 0.2),
-    ("analyze", 0.22),
-    ("objects", 0.1),
-    ("relative", 0.15),
-    ("correct", 0.22),
-    ("effector", 0.11),
+    ("select", 0.13),
+    ("analyze", 0.34),
+    ("objects", 0.12),
+    ("relative", 0.13),
+    ("correct", 0.2),
+    ("effector", 0.08),
 )
+"""How often each task; pointing at words is the hardest to learn, choosing the easiest."""
+PLAIN_SHARE = 0.45
+"""How many instructions are in few words and without slips."""
 WIDTH, HEIGHT = 1280.0, 720.0
 
 
@@ -60,49 +63,50 @@ def _example(question: Question, answer: str) -> Example:
     return Example(task=question.task, messages=messages, answer=answer)
 
 
-def _cut(draft: Draft, draw: Draw) -> tuple[Utterance, list[Mention]]:
-    utterance, spans = disturb(draft, draw).finish()
+def _cut(draft: Draft, draw: Draw, *, plain: bool = False) -> tuple[Utterance, list[Mention]]:
+    utterance, spans = (draft if plain else disturb(draft, draw)).finish()
     return utterance, [Mention(utterance.phrase(span), span) for span in spans]
 
 
-def _instruction(draw: Draw, relative: float = 0.5) -> instructions.Instruction:
-    return instructions.instruction(draw, "relative" if draw.chance(relative) else "absolute")
+def _instruction(
+    draw: Draw, relative: float = 0.5
+) -> tuple[instructions.Instruction, Utterance, list[Mention]]:
+    plain = draw.chance(PLAIN_SHARE)
+    kind = "relative" if draw.chance(relative) else "absolute"
+    made = instructions.instruction(draw, kind, plain=plain)
+    return made, *_cut(made.draft, draw, plain=plain)
 
 
 def _select(draw: Draw) -> Example:
-    kind = draw.below(3)
-    if kind == 0:
-        draft = instructions.vague(draw) if draw.chance(0.04) else _instruction(draw, 0.4).draft
-        module = "prediction"
-    elif kind == 1:
-        draft, module = corrections.correction(draw).draft, "correction"
+    module = draw.pick(MODULES)
+    if module == "prediction":
+        vague = draw.chance(0.04)
+        utterance = _cut(instructions.vague(draw), draw)[0] if vague else _instruction(draw)[1]
+    elif module == "correction":
+        utterance, _ = _cut(corrections.correction(draw).draft, draw)
     else:
-        draft, module = confirmation(draw), "confirmation"
-    return _example(PROMPTS.select(_cut(draft, draw)[0]), module)
+        utterance, _ = _cut(confirmation(draw), draw)
+    return _example(PROMPTS.select(utterance), module)
 
 
 def _analyze(draw: Draw) -> Example:
     if draw.chance(0.03):
         utterance, _ = _cut(instructions.vague(draw), draw)
-        return _example(
-            PROMPTS.analyze(utterance), answer_text({"position": "absolute", "objects": []})
-        )
-    made = _instruction(draw)
-    utterance, mentions = _cut(made.draft, draw)
+        answer: dict[str, Any] = {"position": "absolute", "objects": []}
+        return _example(PROMPTS.analyze(utterance), answer_text(answer))
+    made, utterance, mentions = _instruction(draw)
     answer = {"position": made.position, "objects": [str(m.span) for m in mentions]}
     return _example(PROMPTS.analyze(utterance), answer_text(answer))
 
 
 def _objects(draw: Draw) -> Example:
     utterance, mentions = _cut(corrections.correction(draw).draft, draw)
-    return _example(
-        PROMPTS.objects(utterance), answer_text({"objects": [str(m.span) for m in mentions]})
-    )
+    answer = {"objects": [str(m.span) for m in mentions]}
+    return _example(PROMPTS.objects(utterance), answer_text(answer))
 
 
 def _relative(draw: Draw) -> Example:
-    made = _instruction(draw, 1.0)
-    utterance, mentions = _cut(made.draft, draw)
+    made, utterance, mentions = _instruction(draw, 1.0)
     objects = _scene_objects(draw, made.scene, len(mentions))
     question = PROMPTS.relative(utterance, mentions, objects, 10.0)
     return _example(question, answer_text({"x": made.x, "y": made.y}))
@@ -119,9 +123,9 @@ def _correct(draw: Draw) -> Example:
 
 
 def _effector(draw: Draw) -> Example:
-    made = _instruction(draw, 0.4)
-    question = PROMPTS.effector(_cut(made.draft, draw)[0])
-    return _example(question, answer_text({"effector": made.effector, "task": made.task}))
+    made, utterance, _ = _instruction(draw)
+    answer = {"effector": made.effector, "task": made.task}
+    return _example(PROMPTS.effector(utterance), answer_text(answer))
 
 
 def _move(draw: Draw) -> Move:

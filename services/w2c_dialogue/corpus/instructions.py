@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from w2c_dialogue.corpus import locations
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
-from w2c_dialogue.corpus.locations import Location
-from w2c_dialogue.corpus.phrases import article, phrase, place
+from w2c_dialogue.corpus.phrases import article, phrase, place, plain_phrase
 from w2c_dialogue.corpus.things import names
 
 PUT = names("""
@@ -112,19 +111,12 @@ def _limb(draw: Draw) -> tuple[str, str]:
     return f"{owner} {side} {part}".strip(), f"{side}_{name}"
 
 
-def _phrases(draw: Draw, location: Location, *, surface: bool) -> dict[str, str]:
-    return {
-        letter: phrase(draw, surface=surface)
-        for letter in "ABC"
-        if f"{{{letter}}}" in location.text
-    }
-
-
-def _with_articles(draw: Draw, text: str) -> str:
-    """Put an article in front of each object."""
+def _with_articles(draw: Draw, text: str, *, plain: bool) -> str:
+    """Put an article in front of each object, and now and then where it stands behind."""
     for letter in "ABC":
-        text = text.replace(f"{{{letter}}}", f"{article(draw)} {{{letter}}}".strip())
-    if text.endswith("}"):
+        word = "the" if plain else article(draw)
+        text = text.replace(f"{{{letter}}}", f"{word} {{{letter}}}".strip())
+    if text.endswith("}") and not plain:
         text = f"{text} {place(draw)}".strip()
     return text
 
@@ -164,28 +156,26 @@ def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
     return draw.pick(frames), name
 
 
-def instruction(draw: Draw, kind: str) -> Instruction:
-    """Return an instruction whose position is of this kind: absolute or relative."""
+def instruction(draw: Draw, kind: str, *, plain: bool) -> Instruction:
+    """Return an instruction whose position is of this kind: absolute or relative.
+
+    `plain`: in few words, as most are; else with all that people may say around it.
+    """
     location = locations.absolute(draw) if kind == "absolute" else locations.relative(draw)
     reach = draw.chance(0.32)
-    text = location.text
-    if reach and kind == "absolute":
-        text = "{A}"
-    text = _with_articles(draw, text)
+    text = "{A}" if reach and kind == "absolute" else location.text
+    text = _with_articles(draw, text, plain=plain)
     if reach:
         template, effector = _reach(draw, text, absolute=kind == "absolute")
     else:
         template, effector = _contact(draw, text)
     draft = Draft()
-    lead = draw.uniform()
-    if lead < 0.25:
-        draft.add(draw.pick(LEADS))
-        if draw.chance(0.2):
-            draft.words[-1] += ","
-    elif lead < 0.31:
-        draft.add(draw.pick(AGAIN))
-    draft.fill(template, _phrases(draw, location, surface=not reach))
-    if draw.chance(0.15):
+    if not plain:
+        _lead(draw, draft)
+    name = plain_phrase if plain else phrase
+    letters = [letter for letter in "ABC" if f"{{{letter}}}" in location.text]
+    draft.fill(template, {letter: name(draw, surface=not reach) for letter in letters})
+    if not plain and draw.chance(0.2):
         draft.add(draw.pick(TAILS))
     return Instruction(
         draft,
@@ -196,6 +186,17 @@ def instruction(draw: Draw, kind: str) -> Instruction:
         effector,
         "reach" if reach else "contact",
     )
+
+
+def _lead(draw: Draw, draft: Draft) -> None:
+    """Begin with a courtesy, or with the rejection of what was said before."""
+    roll = draw.uniform()
+    if roll < 0.35:
+        draft.add(draw.pick(LEADS))
+        if draw.chance(0.2):
+            draft.words[-1] += ","
+    elif roll < 0.45:
+        draft.add(draw.pick(AGAIN))
 
 
 VAGUE = names("""

@@ -67,6 +67,14 @@ def _attribute(draw: Draw) -> str:
     return f"{link} {article} {quality} {part}" if kind < 4 else f"{link} {article} {part}"
 
 
+def plain_phrase(draw: Draw, *, surface: bool = False) -> str:
+    """Return a noun, most often alone, else with a colour, a material or a size."""
+    name = draw.pick(SURFACES if draw.chance(0.5 if surface else 0.15) else THINGS)
+    if draw.chance(0.65):
+        return name
+    return f"{draw.pick(draw.pick((COLOURS, COLOURS, MATERIALS, SIZES)))} {name}"
+
+
 def phrase(draw: Draw, *, surface: bool = False) -> str:
     """Return a noun phrase without article."""
     roll = draw.uniform()
