@@ -6,7 +6,7 @@ import threading
 import msgspec
 import zenoh
 
-from w2c.bus.zenoh_bus import base_config
+from w2c.bus.zenoh_config import base_config
 from w2c.config import fail, parse
 from w2c.errors import ConfigError, ConnectionFailedError
 from w2c.service import stop_on_signals

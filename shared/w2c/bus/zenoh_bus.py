@@ -7,7 +7,6 @@ shared memory
 are off; everyone dials one way only, with the same lease.
 """
 
-import json
 import threading
 import time
 from collections.abc import Callable
@@ -20,6 +19,7 @@ import zenoh
 from w2c import topics
 from w2c.bus.base import BusBase
 from w2c.bus.interface import CallContext, RawReceived, Received
+from w2c.bus.zenoh_config import client_config, hub_config
 from w2c.config import ServiceConfig
 from w2c.errors import ConnectionFailedError, DeadlineError, RemoteError, UnavailableError
 from w2c.messages import Message
@@ -29,8 +29,6 @@ M = TypeVar("M", bound=Message)
 Request = TypeVar("Request", bound=Message)
 Reply = TypeVar("Reply", bound=Message)
 
-LEASE_MS = 1000
-RETRY = {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2}
 PRIORITIES = {
     topics.Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
     topics.Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
@@ -44,45 +42,10 @@ NOT_DELIVERED_S = 0.05
 LIVELINESS_PATIENCE_S = 1.5
 
 
-def base_config(mode: str) -> zenoh.Config:
-    """Return the settings every session shares."""
-    config = zenoh.Config()
-    for path, value in {
-        "mode": mode,
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "transport/shared_memory/enabled": False,
-        "transport/link/tx/lease": LEASE_MS,
-        "transport/link/tx/keep_alive": 4,
-    }.items():
-        config.insert_json5(path, json.dumps(value))
-    return config
-
-
-def _client_config(endpoints: list[str], timeout_s: float) -> zenoh.Config:
-    config = base_config("client")
-    config.insert_json5("connect/endpoints", json.dumps(endpoints))
-    config.insert_json5("connect/timeout_ms", str(int(timeout_s * 1e3)))
-    config.insert_json5("connect/exit_on_failure", "true")
-    config.insert_json5("connect/retry", json.dumps(RETRY))
-    return config
-
-
-def _hub_config(listen: str, router: str) -> zenoh.Config:
-    config = base_config("peer")
-    config.insert_json5("listen/endpoints", json.dumps([listen]))
-    config.insert_json5("connect/endpoints", json.dumps([router]))
-    # A robot must come up without a router, and find it whenever it appears.
-    config.insert_json5("connect/timeout_ms", "-1")
-    config.insert_json5("connect/exit_on_failure", "false")
-    config.insert_json5("connect/retry", json.dumps(RETRY))
-    return config
-
-
 def connect(config: ServiceConfig, service: str, endpoints: list[str]) -> "ZenohBus":
     """Return the bus of a client of a router, or of the robot. Raises ConnectionFailedError."""
     try:
-        session = zenoh.open(_client_config(endpoints, config.connect_timeout))
+        session = zenoh.open(client_config(endpoints, config.connect_timeout))
     except zenoh.ZError as error:
         raise ConnectionFailedError(
             f"no answer at {', '.join(endpoints)} within {config.connect_timeout:g} s. "
@@ -94,7 +57,7 @@ def connect(config: ServiceConfig, service: str, endpoints: list[str]) -> "Zenoh
 def connect_hub(config: ServiceConfig, service: str) -> "ZenohBus":
     """Return the bus of the robot driver: listens at `robot_endpoint`, dials `router`."""
     try:
-        session = zenoh.open(_hub_config(config.robot_endpoint, config.router))
+        session = zenoh.open(hub_config(config.robot_endpoint, config.router))
     except zenoh.ZError as error:
         raise ConnectionFailedError(
             f"cannot listen at {config.robot_endpoint}: {error}. "

@@ -228,7 +228,7 @@ def test_a_busy_port_is_a_clear_error() -> None:
 
 def test_sessions_are_configured_as_decided() -> None:
     """Some settings became silent no-ops between Zenoh versions: read them back."""
-    from w2c.bus.zenoh_bus import base_config
+    from w2c.bus.zenoh_config import base_config
 
     config = base_config("client")
     assert zenoh.Config.get_json(config, "scouting/multicast/enabled") == "false"

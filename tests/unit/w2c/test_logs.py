@@ -5,6 +5,7 @@ import logging
 from pathlib import Path
 
 import pytest
+
 from w2c import topics
 from w2c.bus import InProcessHub
 from w2c.errors import ConfigError
