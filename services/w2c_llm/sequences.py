@@ -53,7 +53,15 @@ class Prefilled:
 class Sequences:
     """The key-value cache of one model. Not thread-safe: one thread uses it."""
 
-    def __init__(self, model: LlamaModel, context: int, threads: int, prefixes: int = 16) -> None:
+    def __init__(
+        self,
+        model: LlamaModel,
+        context: int,
+        threads: int,
+        *,
+        prefixes: int = 16,
+        batch: int = _BATCH,
+    ) -> None:
         """Make the context.
 
         Args:
@@ -61,6 +69,7 @@ class Sequences:
             context: Cells in all [tokens], shared by all sequences.
             threads: For evaluation.
             prefixes: How many prefixes may be kept.
+            batch: Tokens that are evaluated at once; between batches a request can end.
 
         Raises:
             ModelError: llama.cpp cannot allocate it.
@@ -79,6 +88,7 @@ class Sequences:
                 f"llama.cpp cannot make a context of {self.cells} tokens; use a smaller --context"
             )
         self._memory = llama_cpp.llama_get_memory(self._context)
+        self._batch_size = min(batch, _BATCH)
         self._batch = llama_cpp.llama_batch_init(_BATCH, 0, 1)
         self._free = list(range(1 + OPTIONS, 1 + OPTIONS + prefixes))
         # The tokens of a prefix to its sequence; least recently used first.
@@ -156,8 +166,8 @@ class Sequences:
                 for offset, token in enumerate(tokens[:-1])
             ]
         table: list[Logits] = []
-        for start in range(0, len(rows), _BATCH):
-            part = rows[start : start + _BATCH]
+        for start in range(0, len(rows), self._batch_size):
+            part = rows[start : start + self._batch_size]
             self._decode(part)
             table += [self._logits(index) for index in range(len(part))]
         scores: list[float] = []
@@ -212,15 +222,11 @@ class Sequences:
     ) -> Logits:
         """Evaluate tokens batch by batch; return the logits after the last."""
         last = len(tokens) - 1
-        for start in range(0, len(tokens), _BATCH):
+        for start in range(0, len(tokens), self._batch_size):
             budget.check()
-            self._decode(
-                [
-                    Row(tokens[index], position + index, sequence, index == last)
-                    for index in range(start, min(start + _BATCH, len(tokens)))
-                ]
-            )
-        return self._logits(last % _BATCH)
+            part = range(start, min(start + self._batch_size, len(tokens)))
+            self._decode([Row(tokens[at], position + at, sequence, at == last) for at in part])
+        return self._logits(last % self._batch_size)
 
     def _decode(self, rows: Sequence[Row]) -> None:
         """Evaluate one batch. On failure all is forgotten: the next request starts clean."""

@@ -148,29 +148,6 @@ def test_more_prefixes_than_fit_are_forgotten_oldest_first(
     assert again == {tasks[-1]: True, tasks[0]: False}
 
 
-def test_a_request_that_breaks_off_leaves_no_half_prefix(
-    fresh_backend: LlamaCppBackend, budget: Budget
-) -> None:
-    class Impatient(Budget):
-        """Lets so many checks pass."""
-
-        def __init__(self, checks: int) -> None:
-            super().__init__(StepClock(), 9.0)
-            self.left = checks
-
-        def check(self) -> None:
-            self.left -= 1
-            if self.left < 0:
-                raise DeadlineError("enough")
-
-    chat = long_chat("a", "the mug")
-    expected = ask(fresh_backend, long_chat("b", "the mug"), budget).text
-    for checks in range(4):
-        with pytest.raises(DeadlineError):
-            ask(fresh_backend, chat, Impatient(checks), constant=1)
-    assert ask(fresh_backend, long_chat("b", "the mug"), budget, constant=1).text == expected
-
-
 def test_a_prompt_that_is_too_long_is_refused_with_both_numbers(
     shared_backend: LlamaCppBackend, budget: Budget
 ) -> None:
