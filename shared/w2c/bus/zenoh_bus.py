@@ -12,13 +12,14 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import zenoh
 
 from w2c import topics
 from w2c.bus.base import BusBase
-from w2c.bus.interface import CallContext, RawReceived, Received
+from w2c.bus.interface import CallContext, RawReceived
+from w2c.bus.latest_ring import LatestRing
 from w2c.bus.zenoh_config import client_config, hub_config
 from w2c.config import ServiceConfig
 from w2c.errors import ConnectionFailedError, DeadlineError, RemoteError, UnavailableError
@@ -35,7 +36,6 @@ PRIORITIES = {
     topics.Priority.DATA: zenoh.Priority.DATA,
     topics.Priority.DATA_LOW: zenoh.Priority.DATA_LOW,
 }
-POLL_S = 0.002
 # An empty answer that comes sooner than this means that the call reached nobody yet: safe to ask
 # again.
 NOT_DELIVERED_S = 0.05
@@ -64,50 +64,6 @@ def connect_hub(config: ServiceConfig, service: str) -> "ZenohBus":
             "Is another robot driver running? Choose another --robot-endpoint"
         ) from error
     return ZenohBus(session, config.robot, service, config.instance)
-
-
-class LatestRing(Generic[M]):
-    """The newest message of a topic, out of a ring of one: a slow reader delays nobody."""
-
-    def __init__(
-        self, subscriber: Any, decode: Callable[[RawReceived], Received[M] | None]
-    ) -> None:
-        self._subscriber = subscriber
-        self._decode = decode
-        self._last: Received[M] | None = None
-
-    def take(self) -> Received[M] | None:
-        """Return the newest message that was not taken yet, or None. Never blocks."""
-        sample = self._subscriber.try_recv()
-        if sample is None:
-            return None
-        raw = RawReceived(str(sample.key_expr), sample.payload.to_bytes(), time.monotonic_ns())
-        received = self._decode(raw)
-        if received is not None:
-            self._last = received
-        return received
-
-    def wait(self, timeout_s: float) -> Received[M] | None:
-        """Return the next message that was not taken yet; None after the time-out."""
-        deadline = time.monotonic() + timeout_s
-        while True:
-            received = self.take()
-            if received is not None:
-                return received
-            remaining = deadline - time.monotonic()
-            if remaining <= 0:
-                return None
-            time.sleep(min(POLL_S, remaining))
-
-    def last(self) -> Received[M] | None:
-        """Return the newest message ever received, taken or not."""
-        self.take()
-        return self._last
-
-    def age_s(self) -> float:
-        """Return the time since the newest message was taken [s]."""
-        last = self.last()
-        return float("inf") if last is None else (time.monotonic_ns() - last.received_ns) * 1e-9
 
 
 class ZenohBus(BusBase):

@@ -10,7 +10,7 @@ import zenoh
 
 from support.deploy import ROOT, load_access_control
 from w2c import topics
-from w2c.bus.zenoh_bus import base_config
+from w2c.bus.zenoh_config import base_config
 
 access_control = load_access_control()
 ROBOT = "talos"
