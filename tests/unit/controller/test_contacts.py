@@ -12,10 +12,11 @@ force = st.floats(-150.0, 150.0)
 torque = st.floats(-10.0, 10.0)
 
 
-@given(force, force, st.floats(0.0, 500.0), torque, torque, torque)
+@given(st.tuples(force, force, st.floats(0.0, 500.0), torque, torque, torque))
 def test_plane_cone_is_the_rectangular_contact_of_caron(
-    fx: float, fy: float, fz: float, tx: float, ty: float, tz: float
+    wrench: tuple[float, float, float, float, float, float],
 ) -> None:
+    fx, fy, fz, tx, ty, tz = wrench
     mu, x, y = LIMITS.friction, LIMITS.cop_x, LIMITS.cop_y
     reach = mu * (x + y) * fz
     margins = [

@@ -15,6 +15,7 @@ RADIUS = (0.0, 0.05)
 
 
 def _place(
+    *,
     point: tuple[float, float, float] = (0.5, -0.25, 0.84),
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0),
     hand: EndEffector = "right_hand",

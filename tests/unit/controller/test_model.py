@@ -46,7 +46,7 @@ def test_linear_jacobian_is_the_derivative_of_the_position(
 
     def position(q: Array) -> Array:
         kinematics.update_frames(q)
-        return kinematics.positions[effector].copy()
+        return np.array(kinematics.positions[effector])
 
     numeric = _columns(model, posture, position)
     kinematics.update_frames(posture)

@@ -1,4 +1,4 @@
-"""Each constraint of the Retargeting QP: where it is active, and where it makes the QP infeasible."""
+"""Each constraint of the Retargeting QP: where it is active, and where it is infeasible."""
 
 from dataclasses import replace
 

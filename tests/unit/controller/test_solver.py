@@ -15,7 +15,7 @@ from w2c_controller.solver import (
 
 
 def _program(lower_row: float = -1.0) -> Program:
-    """min |x - (2, 2)|^2 / 2 with x0 = x1 / 2, x0 + x1 in [lower_row, 3], x <= 5."""
+    """Return min |x - (2, 2)|^2 / 2 with x0 = x1 / 2, x0 + x1 in [lower_row, 3], x <= 5."""
     program = Program.empty(2, 1, 1)
     program.hessian[:] = np.eye(2)
     program.gradient[:] = -2.0
@@ -41,7 +41,7 @@ def test_an_infeasible_program_raises_with_the_program(solver: Solver) -> None:
 
 
 class _Failing:
-    def solve(self, program: Program) -> np.ndarray:  # type: ignore[type-arg]
+    def solve(self, program: Program) -> np.ndarray:
         raise SolverError("always")
 
 

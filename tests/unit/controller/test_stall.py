@@ -11,7 +11,7 @@ def test_a_slow_motion_is_no_stall_and_a_rest_is() -> None:
     stall = StallDetector(Motion(), 0.01)
     position = np.zeros(3)
     for _ in range(600):
-        position = position + [0.00002, 0.0, 0.0]  # 2 mm/s
+        position += np.array([0.00002, 0.0, 0.0])  # 2 mm/s
         assert not stall.step(position)
     results = [stall.step(position) for _ in range(210)]
     assert not results[100]

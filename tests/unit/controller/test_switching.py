@@ -236,12 +236,14 @@ def test_a_support_stays_while_the_other_hand_reaches(make_world: MakeWorld) -> 
     assert world.retargeting.loaded(3)
 
 
-def test_weight_that_cannot_be_taken_off_is_reported_and_kept(make_world: MakeWorld) -> None:
+def test_weight_that_cannot_be_taken_off_is_reported_and_kept(
+    make_world: MakeWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
     world = make_world(table)
     world.switching.place(goal(NEAR))
     world.run(30.0, "loaded")
     world.switching.release("r", 3)
-    world.retargeting.release = lambda _: None  # type: ignore[method-assign]
+    monkeypatch.setattr(world.retargeting, "release", lambda _: None)
     world.retargeting.keep(3)
     assert world.run(40.0, "aborted") == "aborted"
     assert "cannot be taken off" in world.events[-1].reason

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from fakes.seiko_reference import reference_file, reference_model
 
+from fakes.seiko_reference import reference_file, reference_model
 from w2c.messages import Array
 from w2c_controller.contacts import ContactLayout
 from w2c_controller.desired import DesiredState

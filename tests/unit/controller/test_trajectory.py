@@ -24,7 +24,7 @@ def _goal(task: str) -> Goal:
     )
 
 
-def _walk(path: Path) -> np.ndarray:  # type: ignore[type-arg]
+def _walk(path: Path) -> np.ndarray:
     points = [path.position()]
     while not path.finished:
         path.advance(DT)
