@@ -1,6 +1,7 @@
 """Pictures of random scenes agree with the truth written beside them."""
 
 import json
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +10,14 @@ import numpy as np
 import pytest
 
 from support.pictures import read
-from w2c.geometry import Intrinsics, inverse
+from w2c.geometry import Intrinsics, apply, inverse, rotation_from_quaternion, transform
 from w2c_sim_robot.scenes import __main__ as scenes_command
 from w2c_sim_robot.scenes.render import DEPTH_UNIT, render
 from w2c_sim_robot.scenes.scene import load
 
 SIZE = (320, 180)
 COUNT = 8
+BOXES = ("book", "notebook", "paper", "cereal_box", "box", "tray", "block", "sponge", "crate")
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +76,37 @@ def test_an_object_is_seen_where_its_pose_says(rendered: tuple[Path, list[Any]])
                 assert left <= u <= right
                 assert top <= v <= bottom
     assert checked >= 5
+
+
+def test_boxes_are_those_of_the_projected_corners(rendered: tuple[Path, list[Any]]) -> None:
+    """What is seen of a thing lies within its projected corners, and mostly fills them."""
+    _, truths = rendered
+    full = []
+    for truth in truths:
+        intrinsics = Intrinsics(*truth["intrinsics"])
+        camera_from_world = inverse(np.array(truth["world_from_camera"]))
+        for item in truth["objects"][1:]:
+            if item["kind"] not in BOXES:
+                continue
+            size = np.array(item["size"])
+            corners = np.array(list(product((-0.5, 0.5), (-0.5, 0.5), (0.0, 1.0)))) * size
+            pose = transform(rotation_from_quaternion(item["orientation"]), item["position"])
+            pixels = np.array(
+                [intrinsics.pixel_from_point(p) for p in apply(camera_from_world @ pose, corners)]
+            )
+            low = np.clip(pixels.min(axis=0), 0, SIZE)
+            high = np.clip(pixels.max(axis=0), 0, SIZE)
+            if (high - low).min() < 8:
+                continue  # outside of the picture
+            if item["box"] is None:
+                full.append(False)
+                continue
+            assert (np.array(item["box"][:2]) >= low - 2).all(), item
+            assert (np.array(item["box"][2:]) <= high + 2).all(), item
+            gap = np.abs(np.array(item["box"]) - np.concatenate([low, high]))
+            full.append(bool(gap.max() < 4))
+    assert len(full) >= 8
+    assert np.mean(full) > 0.4  # arms and other things hide some
 
 
 def test_a_thing_has_the_colour_that_the_truth_names(rendered: tuple[Path, list[Any]]) -> None:
