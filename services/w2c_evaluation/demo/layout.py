@@ -71,7 +71,7 @@ def draw_layout(seed: int, scene_path: Path) -> Layout:
 
 def _attempt(rng: np.random.Generator, description: RobotDescription) -> Layout | None:
     """Return a layout, or None where the support opens no band for the cup."""
-    book = (float(rng.uniform(0.42, 0.52)), float(rng.uniform(-0.30, -0.20)))
+    book = (float(rng.uniform(0.46, 0.54)), float(rng.uniform(-0.30, -0.20)))
     cup_y = float(rng.uniform(0.08, 0.22))
     support = PlaceGoal(
         goal_id="layout",
