@@ -37,6 +37,8 @@ LEANING_FORCE = 15.0
 """A hand that measures more at the start leans: it is a support from the first tick on [N]."""
 FOREIGN_COMMAND = 0.03
 """A command in force that differs more from ours is not ours: go on from it [rad]."""
+SENSE_EVERY = 4
+"""Ticks between two looks at the loads: 125 Hz, well above the 10 Hz of their filter."""
 STOPPED = "stopped by the operator"
 AWAY = 0.05
 """A hand farther from its rest can be released [m]."""
@@ -116,7 +118,7 @@ class Controller:
         elif np.max(np.abs(state.command - self._command)) > FOREIGN_COMMAND:
             self._rejoin(state)
         self._begin_requests()
-        self._measured = self._loads.update(state)
+        self._sense(state)
         self._events.extend(self._switching.step(self._measured))
         self._hands.step()
         scale = self._blend.advance()
@@ -186,7 +188,7 @@ class Controller:
     # --- start, stop and go on -------------------------------------------------------------------
     def _start(self, state: RobotState) -> None:
         """Take over a robot that stands, or that leans already."""
-        self._loads = LoadEstimator(self.model, self.dt)
+        self._loads = LoadEstimator(self.model, SENSE_EVERY * self.dt)
         measured = self._loads.update(state)
         joints = state.position[self.model.joint_indices]
         initial = self._initial[self.model.joint_indices]
@@ -223,12 +225,16 @@ class Controller:
             # From here on the driver's own mode says when to go on.
             self._frozen = False
             self._command = state.command.copy()
-        self._measured = self._loads.update(state)
+        self._sense(state)
         self._message = f"{reason}; resume to go on"
         self._publish_situation()
         return JointCommand(tick=state.tick, position=self._command.copy())
 
     # --- parts of a tick -------------------------------------------------------------------------
+    def _sense(self, state: RobotState) -> None:
+        if state.tick % SENSE_EVERY == 0:
+            self._measured = self._loads.update(state)
+
     def _begin_requests(self) -> None:
         for request in self.requests.due(self._tick):
             conflict = self.requests.conflict(request.hand)

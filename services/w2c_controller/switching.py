@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import frame_from_normal
-from w2c_controller.events import Event, EventState, GoalPhase, short_by
+from w2c_controller.events import Event, EventLog, EventState, GoalPhase, short_by
 from w2c_controller.goals import Goal
 from w2c_controller.grasp import pointing_rotation
 from w2c_controller.hands import Hands
@@ -59,8 +59,7 @@ class Switching:
         self._bump = False
         """Whether a reaching hand touched something on its way"""
         self._stall = StallDetector(self._motion, self._dt)
-        self._reported: set[EventState] = set()
-        self._events: list[Event] = []
+        self._log = EventLog()
         self._steps: dict[GoalPhase, Callable[[Measured], None]] = {
             "approach": self._approach,
             "touch": self._touch,
@@ -82,16 +81,17 @@ class Switching:
 
     def place(self, goal: Goal) -> None:
         """Begin a goal; its hand leaves its support first where it has one."""
+        self._supersede(goal.goal_id)
         if self._retargeting.state.enabled[goal.hand]:
+            self.goal, self._next = goal, goal
             self._begin_unload(goal.hand)
-            self._next = goal
         else:
             self._begin_approach(goal)
 
     def release(self, goal_id: str, hand: int) -> None:
         """Take a hand off, and bring it back to where it was at the start."""
-        self.goal, self._next = None, None
-        self.releasing_id = goal_id
+        self._supersede(goal_id)
+        self.goal, self._next, self.releasing_id = None, None, goal_id
         if self._retargeting.state.enabled[hand]:
             self._begin_unload(hand)
         else:
@@ -99,12 +99,12 @@ class Switching:
 
     def abort(self, reason: str) -> None:
         """End the goal under way; hands stay where they are. For stop."""
-        if self.phase in BUSY or self.phase == "reach":
+        if self._unfinished():
             self._emit("aborted", reason)
         for k in HANDS:
             self._retargeting.keep(k)
             self._hands.stop(k)
-        self._next = None
+        self.goal, self._next, self.releasing_id = None, None, ""
         self._enter("hold")
 
     def step(self, measured: Measured) -> list[Event]:
@@ -113,8 +113,7 @@ class Switching:
         action = self._steps.get(self.phase)
         if action is not None:
             action(measured)
-        events, self._events = self._events, []
-        return events
+        return self._log.take()
 
     def distance(self) -> float:
         """Return what is left between hand and target [m]; -1 without a goal."""
@@ -131,7 +130,7 @@ class Switching:
         self.goal, self._hand, self.releasing_id = goal, goal.hand, ""
         self._next = None
         self._feelers[goal.hand] = Feeler(goal.normal)
-        self._reported.clear()
+        self._log.begin()
         self._bump = False
         self._away[goal.hand] = way_back(goal)
         if goal.task == "reach":
@@ -254,14 +253,14 @@ class Switching:
         if not self._bump:
             self._bumped(measured)
         if self._bump and distance < motion.bump_distance:
-            self._emit_once("reached", "touched something at the point", distance)
+            self._emit_new("reached", "touched something at the point", distance)
         elif distance < motion.reached_distance:
             if self._hands.speed(self._hand) < motion.reached_speed:
-                self._emit_once("reached", distance=distance)
+                self._emit_new("reached", distance=distance)
         elif self._stall.step(self._hands.position(self._hand)):
             blocked = self._bump
             reason = short_by(distance, "something in the way") if blocked else short_by(distance)
-            self._emit_once("unreachable", reason, distance)
+            self._emit_new("unreachable", reason, distance)
 
     def _unload(self, _: Measured) -> None:
         if not self._retargeting.state.enabled[self._hand]:
@@ -300,16 +299,23 @@ class Switching:
         self.goal = None
         self._begin_retreat(self._hand)
 
-    def _emit_once(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
-        if state not in self._reported:
-            self._reported.add(state)
+    def _unfinished(self) -> bool:
+        """Return whether a goal is under way whose end was not told yet."""
+        return self.phase in BUSY or (self.phase == "reach" and not self._log.told_end)
+
+    def _supersede(self, goal_id: str) -> None:
+        """Tell the end of a goal that another one replaces."""
+        if self._unfinished() and (self.goal is not None or self.releasing_id):
+            self._emit("aborted", f"replaced by goal '{goal_id}'")
+
+    def _emit_new(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
+        if not self._log.told(state):
             self._emit(state, reason, distance)
 
     def _emit(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
-        goal = self.goal if self.goal is not None else self._next
-        goal_id = goal.goal_id if goal is not None else self.releasing_id
-        task = goal.task if goal is not None else "contact"
-        self._events.append(Event(goal_id, self._hand, task, state, reason, distance))
+        goal_id = self.goal.goal_id if self.goal is not None else self.releasing_id
+        task = self.goal.task if self.goal is not None else "contact"
+        self._log.add(Event(goal_id, self._hand, task, state, reason, distance))
 
     def _require_goal(self) -> Goal:
         if self.goal is None:

@@ -1,6 +1,7 @@
 """The point of the paper, in closed loop with the simulated robot: lean, and reach farther."""
 
 import pytest
+
 from support.leaning import lean_and_reach
 
 

@@ -261,3 +261,22 @@ def test_abort_leaves_hands_where_they_are(make_world: MakeWorld) -> None:
     assert world.events[-1].state == "aborted"
     assert world.switching.phase == "hold"
     assert np.linalg.norm(world.hands.position(2) - where) < 0.03
+
+
+def test_a_goal_that_is_replaced_is_told_to_have_ended(make_world: MakeWorld) -> None:
+    world = make_world(air)
+    world.switching.place(goal(FAR_CUP, "left_hand", "reach", "first"))
+    world.run(1.0)
+    world.switching.place(goal(NEAR_CUP, "left_hand", "reach", "second"))
+    world.run(1.0)
+    world.switching.release("third", 2)
+    assert world.run(20.0, "released") == "released"
+    told = [(event.goal_id, event.state) for event in world.events]
+    assert told == [
+        ("first", "moving"),
+        ("first", "aborted"),
+        ("second", "moving"),
+        ("second", "aborted"),
+        ("third", "released"),
+    ]
+    assert "second" in world.events[1].reason
