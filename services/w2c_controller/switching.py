@@ -14,11 +14,12 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import frame_from_normal
-from w2c_controller.events import Event, EventLog, EventState, GoalPhase, short_by
+from w2c_controller.bookkeeping import Bookkeeping
+from w2c_controller.events import Event, GoalPhase, short_by
 from w2c_controller.goals import Goal
 from w2c_controller.grasp import pointing_rotation
 from w2c_controller.hands import Hands
-from w2c_controller.parameters import EFFECTORS, HANDS, Motion
+from w2c_controller.parameters import HANDS, Motion
 from w2c_controller.retargeting import Retargeting
 from w2c_controller.routes import approach, at, retreat, way_back
 from w2c_controller.sensing import Feeler, Measured
@@ -32,23 +33,18 @@ SETTLE_TIME = 0.3
 SETTLE_DISTANCE = 0.015
 CONFIRM_TIME = 0.2
 """How long a load must be measured [s]."""
-BUSY = ("approach", "touch", "load", "unload", "retreat")
 
 
-class Switching:
+class Switching(Bookkeeping):
     """One goal at a time; hands that lean, or hold a reached point, stay as they are meanwhile."""
 
     def __init__(self, retargeting: Retargeting, hands: Hands) -> None:
-        self.phase: GoalPhase = "hold"
-        self.goal: Goal | None = None
-        self.releasing_id = ""
-        """Id of the release that is under way."""
+        super().__init__()
         self._retargeting = retargeting
         self._hands = hands
         self._motion: Motion = retargeting.parameters.motion
         self._lead = retargeting.parameters.filters.lead_position
         self._dt = retargeting.dt
-        self._hand = HANDS[0]
         self._feelers = {k: Feeler() for k in HANDS}
         self._away = {k: np.array([0.0, 0.0, 1.0]) for k in HANDS}
         """Back the way each hand came: along the normal of a contact, against reaching fingers"""
@@ -59,7 +55,6 @@ class Switching:
         self._bump = False
         """Whether a reaching hand touched something on its way"""
         self._stall = StallDetector(self._motion, self._dt)
-        self._log = EventLog()
         self._steps: dict[GoalPhase, Callable[[Measured], None]] = {
             "approach": self._approach,
             "touch": self._touch,
@@ -68,16 +63,6 @@ class Switching:
             "unload": self._unload,
             "retreat": self._retreat,
         }
-
-    def busy_with(self) -> str:
-        """Return the id of the goal that must end before another hand may get one; "" = none."""
-        if self.phase not in BUSY:
-            return ""
-        return self.goal.goal_id if self.goal else self.releasing_id or "the retreat of a hand"
-
-    def busy_hand(self) -> int:
-        """Return the hand of the goal under way."""
-        return self._hand
 
     def place(self, goal: Goal) -> None:
         """Begin a goal; its hand leaves its support first where it has one."""
@@ -298,26 +283,3 @@ class Switching:
         self._emit("aborted", reason, distance)
         self.goal = None
         self._begin_retreat(self._hand)
-
-    def _unfinished(self) -> bool:
-        """Return whether a goal is under way whose end was not told yet."""
-        return self.phase in BUSY or (self.phase == "reach" and not self._log.told_end)
-
-    def _supersede(self, goal_id: str) -> None:
-        """Tell the end of a goal that another one replaces."""
-        if self._unfinished() and (self.goal is not None or self.releasing_id):
-            self._emit("aborted", f"replaced by goal '{goal_id}'")
-
-    def _emit_new(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
-        if not self._log.told(state):
-            self._emit(state, reason, distance)
-
-    def _emit(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
-        goal_id = self.goal.goal_id if self.goal is not None else self.releasing_id
-        task = self.goal.task if self.goal is not None else "contact"
-        self._log.add(Event(goal_id, self._hand, task, state, reason, distance))
-
-    def _require_goal(self) -> Goal:
-        if self.goal is None:
-            raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._hand]} has no goal")
-        return self.goal
