@@ -14,7 +14,7 @@ from w2c_sim_robot.description import make_description
 NECK = Neck(
     torso_joint=1,
     torso_from_neck=np.array([0.0, 0.0, 0.3]),
-    bus_indices=(0, 1),
+    bus_indices=np.array([0, 1]),
     lower=np.array([-0.26, -1.3]),
     upper=np.array([0.78, 1.3]),
 )

@@ -16,6 +16,7 @@ from w2c_controller.sensing import Measured
 from w2c_controller.switching import Switching
 
 DT = 0.01
+IMPATIENT = Parameters(motion=Motion(load_timeout=5.0, unload_timeout=8.0))
 UP = np.array([0.0, 0.0, 1.0])
 TABLE = 0.84
 NEAR = (0.45, -0.30, TABLE)
@@ -29,7 +30,7 @@ class World:
     """A controller's inner half, and a surface that pushes back on the right hand."""
 
     def __init__(self, model: ControlledModel, joints: Array, surface: Surface) -> None:
-        self.retargeting = Retargeting(model, Parameters(), DT)
+        self.retargeting = Retargeting(model, IMPATIENT, DT)
         self.retargeting.reset(joints)
         at_rest = Kinematics(model)
         at_rest.update_frames(standing_configuration(model, joints))
@@ -138,7 +139,7 @@ def test_nothing_to_lean_on_is_never_a_contact(make_world: MakeWorld) -> None:
     assert world.run(30.0, "aborted") == "aborted"
     assert "no surface" in world.events[-1].reason
     assert world.enabled_at == []
-    world.run(20.0)
+    world.run(12.0)
     assert world.switching.phase == "hold"
 
 
@@ -157,7 +158,7 @@ def test_a_surface_that_does_not_carry_is_left_again(make_world: MakeWorld) -> N
     world.switching.place(goal(NEAR))
     assert world.run(40.0, "aborted") == "aborted"
     assert "did not take load" in world.events[-1].reason
-    world.run(20.0)
+    world.run(12.0)
     assert world.switching.phase == "hold"
     assert not world.retargeting.state.enabled[3]
 
