@@ -20,6 +20,7 @@ from w2c.messages.control import Phase
 from w2c_controller.desired import DesiredState
 from w2c_controller.events import Event, EventState
 from w2c_controller.filters import Blend
+from w2c_controller.gaze import Gaze, find_neck
 from w2c_controller.hands import Hands
 from w2c_controller.model import Kinematics, build_model, standing_configuration
 from w2c_controller.parameters import HANDS, Parameters
@@ -80,6 +81,8 @@ class Controller:
         self._at_rest.update_frames(
             standing_configuration(self.model, self._initial[self.model.joint_indices])
         )
+        self._neck = find_neck(description, self.model.model)
+        self._gaze: Gaze | None = None
         self._hands: Hands
         self._switching: Switching
         self._loads: LoadEstimator
@@ -203,6 +206,8 @@ class Controller:
         self._hands = Hands(self.retargeting, self._at_rest)
         self._switching = Switching(self.retargeting, self._hands)
         self._measured = measured
+        if self._neck is not None:
+            self._gaze = Gaze(self._neck, state.command[self._neck.bus_indices], self.dt)
         self._rejoin(state)
         self._started = True
 
@@ -254,6 +259,9 @@ class Controller:
         joints = state.q[7:] + self.parameters.motion.ahead_time * state.velocity[6:]
         command = self._initial.copy()
         command[model.joint_indices] = joints + state.torque / model.stiffness
+        if self._gaze is not None:
+            leaning = any(state.enabled[k] for k in HANDS)
+            self._gaze.move_head(command, self.retargeting.kinematics, leaning=leaning)
         return command
 
     def _publish_situation(self) -> None:

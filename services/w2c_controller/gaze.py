@@ -12,6 +12,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from w2c.messages import RobotDescription
+from w2c_controller.model import Kinematics
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -34,8 +35,8 @@ class Neck:
     """In Pinocchio's reduced model: the joint that moves the body the neck is on"""
     torso_from_neck: Vector
     """(3,) where both axes cross [m]"""
-    bus_indices: tuple[int, int]
-    """Of tilt and pan in vectors of the bus"""
+    bus_indices: npt.NDArray[np.intp]
+    """(2,) of tilt and pan in vectors of the bus"""
     lower: Vector
     """(2,) [rad]"""
     upper: Vector
@@ -58,7 +59,7 @@ def find_neck(description: RobotDescription, reduced: pin.Model) -> Neck | None:
     return Neck(
         torso_joint=reduced.getJointId(torso_name),
         torso_from_neck=np.array(full.jointPlacements[tilt].translation),
-        bus_indices=(names.index(full.names[tilt]), names.index(full.names[pan])),
+        bus_indices=np.array([names.index(full.names[joint]) for joint in (tilt, pan)]),
         lower=full.lowerPositionLimit[rows] + MARGIN,
         upper=full.upperPositionLimit[rows] - MARGIN,
     )
@@ -93,6 +94,11 @@ class Gaze:
     def angles(self) -> Vector:
         """Return tilt and pan (2,) now [rad]."""
         return self._angles.copy()
+
+    def move_head(self, command: Vector, kinematics: Kinematics, *, leaning: bool) -> None:
+        """Write the head's joints of this tick into a command (n,) in the order of the bus."""
+        rotation, position = kinematics.joint_placement(self._neck.torso_joint)
+        command[self._neck.bus_indices] = self.step(rotation, position, leaning=leaning)
 
     def step(self, world_from_torso: Matrix, torso_position: Vector, *, leaning: bool) -> Vector:
         """Return tilt and pan (2,) of this tick [rad].

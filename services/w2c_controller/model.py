@@ -197,6 +197,11 @@ class Kinematics:
                 self.local_jacobians[k, :3] = effector_from_world @ jacobian[:3]
                 self.local_jacobians[k, 3:] = effector_from_world @ jacobian[3:]
 
+    def joint_placement(self, joint: int) -> tuple[Matrix, Vector]:
+        """Return rotation (3, 3) and position (3,) of a joint's body in the world, as copies."""
+        placement = self._data.oMi[joint]
+        return np.array(placement.rotation), np.array(placement.translation)
+
     def update_statics(
         self, q: Vector, wrenches: Matrix, contact_rotations: Matrix, enabled: tuple[bool, ...]
     ) -> None:

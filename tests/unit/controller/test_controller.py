@@ -136,13 +136,14 @@ def test_the_offset_contains_the_force_of_the_hand(
     np.testing.assert_allclose(offset[arm - 6] * model.stiffness[arm - 6], with_force, atol=0.05)
 
 
-def test_head_joints_stay_where_they_start(
+def test_the_head_keeps_its_gaze_while_the_robot_stands(
     controller: Controller, robot: IdealRobot, description: RobotDescription
 ) -> None:
     answer = robot.step(controller, 220)
     for name in ("head_1_joint", "head_2_joint"):
         index = [joint.name for joint in description.joints].index(name)
-        assert answer.position[index] == pytest.approx(description.initial_position[index])
+        start = description.initial_position[index]
+        assert answer.position[index] == pytest.approx(start, abs=0.01)
 
 
 def test_a_goal_takes_effect_at_its_tick(controller: Controller, robot: IdealRobot) -> None:
