@@ -78,3 +78,21 @@ def _processor() -> str:
         return platform.processor()
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return names[0] if names else platform.processor()
+
+
+def results_table(results: dict[str, Any]) -> str:
+    """Return the results as a Markdown table, with where they come from."""
+    lines = ["| case | metric | value | n |", "|---|---|---|---|"]
+    for entry in results["rows"]:
+        low, high = entry["spread"]
+        value = f"{entry['value']:.4g}"
+        spread = "" if low == high else f" [{low:.4g}, {high:.4g}]"
+        text = f"{value}{spread} {entry['unit']}"
+        lines.append(f"| {entry['case']} | {entry['metric']} | {text} | {entry['n']} |")
+    machine = results["machine"]
+    lines.append("")
+    lines.append(
+        f"Commit `{results['commit']}`, first seed {results['seed']}, "
+        f"{machine['processor']}, {machine['cores']} cores."
+    )
+    return "\n".join(lines)
