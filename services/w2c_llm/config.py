@@ -19,8 +19,9 @@ class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     """Path of a GGUF file, or the model's name at the server; empty: the embedded model."""
     context: Annotated[int, msgspec.Meta(ge=256, le=1_000_000)] = 4096
     """Tokens that fit in memory: the request and all reused prefixes together."""
-    threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
-    """CPU threads of the model."""
+    threads: Annotated[int, msgspec.Meta(ge=0, le=256)] = 0
+    """CPU threads of the model; 0: one for the embedded model, else half of the cores. They wait
+    actively for each other: more threads than free cores make every call many times slower."""
     gpu_layers: Annotated[int, msgspec.Meta(ge=-1)] = 0
     """Layers on the GPU, where llama.cpp was built for one; -1: all."""
     queue: Annotated[int, msgspec.Meta(ge=1, le=64)] = 8

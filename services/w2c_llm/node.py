@@ -107,8 +107,10 @@ def make_backend(config: LlmConfig) -> Backend:
     from w2c_llm.llama_cpp_backend import LlamaCppBackend
 
     path = Path(config.model) if config.model else EMBEDDED_MODEL
+    several = max(1, (os.cpu_count() or 1) // 2)
+    threads = config.threads or (1 if path == EMBEDDED_MODEL else several)
     return LlamaCppBackend(
-        path, context=config.context, threads=config.threads, gpu_layers=config.gpu_layers
+        path, context=config.context, threads=threads, gpu_layers=config.gpu_layers
     )
 
 
