@@ -140,9 +140,10 @@ class Dialogue:
         analysis = analyze(services, self._prompts, utterance)
         if not analysis.mentions:
             raise RefusedError(
-                "I did not hear an object or a place in that. "
-                "Name something in the picture, for example: lean on the table with your right "
-                "hand."
+                "I did not hear an object or a place in that, "
+                f"and there is {'a' if self._conversation.shown else 'no'} target to confirm or "
+                "correct. Name something in the picture, for example: lean on the table with "
+                "your right hand."
             )
         if analysis.position == "absolute":
             prediction = absolute.predict(services, frame, analysis.mentions[0])
