@@ -4,9 +4,9 @@ import threading
 import time
 import uuid
 from abc import ABC, abstractmethod
-from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Any, Generic, TypeVar
+from types import TracebackType
+from typing import Any, Self, TypeVar
 
 from w2c import topics
 from w2c.bus.codec import (
@@ -18,6 +18,7 @@ from w2c.bus.codec import (
     validate,
 )
 from w2c.bus.interface import CallContext, RawReceived, Received
+from w2c.bus.mailbox import DecodingQueue, Mailbox
 from w2c.errors import (
     CallError,
     DeadlineError,
@@ -33,54 +34,6 @@ from w2c.topics import Method, Topic
 M = TypeVar("M", bound=Message)
 Request = TypeVar("Request", bound=Message)
 Reply = TypeVar("Reply", bound=Message)
-T = TypeVar("T")
-
-
-class Mailbox(Generic[T]):
-    """Between the bus's thread and the service's. Full: the oldest is dropped, and counted."""
-
-    def __init__(self, size: int, on_drop: Callable[[], None]) -> None:
-        self._items: deque[T] = deque()
-        self._size = size
-        self._on_drop = on_drop
-        self._changed = threading.Condition()
-
-    def put(self, item: T) -> None:
-        """Append; never blocks."""
-        with self._changed:
-            if len(self._items) >= self._size:
-                self._items.popleft()
-                self._on_drop()
-            self._items.append(item)
-            self._changed.notify()
-
-    def receive(self, timeout_s: float) -> T | None:
-        """Return the oldest item; None after the time-out."""
-        with self._changed:
-            if not self._items:
-                self._changed.wait_for(lambda: bool(self._items), timeout_s)
-            return self._items.popleft() if self._items else None
-
-
-class DecodingQueue(Generic[M]):
-    """The typed view of a mailbox of bytes: what does not decode is counted and skipped."""
-
-    def __init__(
-        self, mailbox: Mailbox[RawReceived], decode: Callable[[RawReceived], Received[M] | None]
-    ) -> None:
-        self._mailbox = mailbox
-        self._decode = decode
-
-    def receive(self, timeout_s: float) -> Received[M] | None:
-        """Return the next message that decodes; None after the time-out."""
-        deadline = time.monotonic() + timeout_s
-        while True:
-            raw = self._mailbox.receive(max(0.0, deadline - time.monotonic()))
-            if raw is None:
-                return None
-            received = self._decode(raw)
-            if received is not None:
-                return received
 
 
 class BusBase(ABC):
@@ -95,6 +48,18 @@ class BusBase(ABC):
         self._sequences: dict[str, int] = {}
         self._counters: dict[str, int] = {}
         self._lock = threading.Lock()
+
+    def __enter__(self) -> Self:
+        """Return the bus itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
 
     @property
     def counters(self) -> dict[str, int]:
@@ -277,6 +242,10 @@ class BusBase(ABC):
             f"nobody serves {method.service}/{method.name}; "
             f"is the {method.service} process running? Look with: w2c status"
         )
+
+    @abstractmethod
+    def close(self) -> None:
+        """Stop serving, undeclare everything. Idempotent."""
 
     @abstractmethod
     def _send(self, topic: Topic[Any], key: str, payload: bytes) -> None:

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from fnmatch import fnmatchcase
-from types import TracebackType
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, Generic, TypeVar
 
 from w2c.bus.base import BusBase
 from w2c.bus.interface import CallContext, RawReceived, Received
@@ -108,18 +107,6 @@ class InProcessBus(BusBase):
     def __init__(self, hub: InProcessHub, robot: str, service: str, instance: str) -> None:
         super().__init__(robot, service, instance)
         self._hub = hub
-
-    def __enter__(self) -> Self:
-        """Return the bus itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def latest(self, topic: Topic[M]) -> LatestSlot[M]:
         """Subscribe to the newest value."""

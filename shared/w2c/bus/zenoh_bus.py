@@ -11,8 +11,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 import zenoh
 
@@ -90,18 +89,6 @@ class ZenohBus(BusBase):
         self._declared.append(
             session.liveliness().declare_token(topics.liveliness_key(robot, service, instance))
         )
-
-    def __enter__(self) -> Self:
-        """Return the bus itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def links(self) -> list[str]:
