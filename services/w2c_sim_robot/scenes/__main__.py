@@ -40,6 +40,8 @@ class Render(msgspec.Struct, frozen=True, kw_only=True):
     """Write NAME_depth.png too: 16 bit, 0.25 mm a unit, 0 = unknown."""
     resume: bool = False
     """Keep pictures that are there."""
+    paper_share: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.2
+    """Of scenes with book and mug where the paper's scene (a) has them."""
     json: Path | None = None
     """Write the list of truth files there."""
 
@@ -71,7 +73,13 @@ def _render(options: Render) -> None:
     written = []
     size = (options.width, options.height)
     for path in render(
-        options.out, options.seed, options.count, size, depth=options.depth, resume=options.resume
+        options.out,
+        options.seed,
+        options.count,
+        size,
+        depth=options.depth,
+        resume=options.resume,
+        paper_share=options.paper_share,
     ):
         written.append(str(path))
         if len(written) % 100 == 0:

@@ -125,8 +125,10 @@ class Pool:
         pitch = rng.uniform(-0.05, 0.12)
         data.qpos[3:7] = (np.cos(pitch / 2), 0.0, np.sin(pitch / 2), 0.0)
         self._bend(rng, "head_1_joint", -0.15, 0.085)
-        self._bend(rng, "head_2_joint", -0.25, 0.25)
-        self._bend(rng, "torso_1_joint", -0.15, 0.15)
+        # A leaning robot turns its trunk, and its head the other way to keep its gaze.
+        turn = rng.uniform(-0.45, 0.45) if rng.random() < 0.5 else rng.uniform(-0.1, 0.1)
+        self._bend(rng, "torso_1_joint", turn, turn)
+        self._bend(rng, "head_2_joint", -turn - 0.2, -turn + 0.2)
         self._bend(rng, "torso_2_joint", -0.05, 0.3)
         for joints, hand in zip((talos.LEFT_ARM, talos.RIGHT_ARM), talos.HAND_FRAMES, strict=True):
             if rng.random() < 0.75:

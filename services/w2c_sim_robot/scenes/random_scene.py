@@ -25,9 +25,13 @@ SMALL_KINDS = ("mug", "can", "ball", "apple", "sponge", "block", "bottle", "bowl
 Region = tuple[tuple[float, float], tuple[float, float]]
 PAPER_REGIONS: dict[str, Region] = {
     "book": ((0.42, 0.60), (-0.40, -0.12)),
-    "mug": ((0.95, 1.20), (-0.05, 0.32)),
+    "mug": ((0.95, 1.38), (-0.05, 0.32)),
 }
 """Where the things of the paper's scene (a) stand: x and y [m]"""
+PAPER_SHARE = 0.2
+"""Of scenes with a book and a mug where the paper's scene (a) has them"""
+BESIDE = ("bottle", "bowl")
+"""What stands beside them in most such scenes"""
 GAP = 0.012
 """Between things that stand beside each other [m]"""
 
@@ -59,14 +63,19 @@ def random_assets(rng: np.random.Generator, copies: int = 2) -> tuple[Asset, ...
     return tuple(assets)
 
 
-def random_scene(seed: int, assets: tuple[Asset, ...] | None = None) -> Scene:
-    """Return the scene of a seed; with `assets`, of these only, so that a model can be reused."""
+def random_scene(
+    seed: int, assets: tuple[Asset, ...] | None = None, paper_share: float = PAPER_SHARE
+) -> Scene:
+    """Return the scene of a seed; with `assets`, of these only, so that a model can be reused.
+
+    `paper_share` of the scenes have book and mug where the paper's scene (a) has them.
+    """
     rng = np.random.default_rng([seed, 1])
     stock = random_assets(np.random.default_rng([seed, 2])) if assets is None else assets
     judging = seed >= JUDGING_SEED
     furniture = _furniture(rng, stock)
-    as_in_paper = rng.random() < 0.2
-    chosen = _choose(rng, stock, ("book", "mug") if as_in_paper else ())
+    as_in_paper = rng.random() < paper_share
+    chosen = _choose(rng, stock, ("book", "mug", *BESIDE) if as_in_paper else ())
     colours = _colours(rng, chosen, judging)
     placed: list[SceneObject] = []
     for asset, colour in zip(chosen, colours, strict=True):

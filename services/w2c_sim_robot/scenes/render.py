@@ -11,7 +11,7 @@ import numpy as np
 
 from w2c.geometry import intrinsics_from_fov
 from w2c_sim_robot.scenes.pool import SCENES_PER_POOL, Pool, Shot
-from w2c_sim_robot.scenes.random_scene import held_out, random_scene
+from w2c_sim_robot.scenes.random_scene import PAPER_SHARE, held_out, random_scene
 from w2c_sim_robot.scenes.scene import Scene, SceneObject
 
 log = logging.getLogger("w2c.scenes")
@@ -30,10 +30,11 @@ def render(
     *,
     depth: bool = False,
     resume: bool = False,
+    paper_share: float = PAPER_SHARE,
 ) -> Iterator[Path]:
     """Write the pictures of seeds `seed` to `seed + count - 1`; yields the truth file of each.
 
-    A picture depends on nothing but its seed and size, so that a set can be continued.
+    A picture depends on nothing but its seed, size and share, so that a set can be continued.
     """
     directory.mkdir(parents=True, exist_ok=True)
     pool: Pool | None = None
@@ -49,7 +50,7 @@ def render(
                     pool.close()
                 block = number // SCENES_PER_POOL
                 pool = Pool(block, *size)
-            scene = random_scene(number, pool.assets)
+            scene = random_scene(number, pool.assets, paper_share)
             rng = np.random.default_rng([number, 9])
             shot = pool.shoot(scene, rng, shadows=bool(rng.random() < SHADOW_SHARE))
             write(directory, f"{number:07d}", scene, shot, depth=depth)
