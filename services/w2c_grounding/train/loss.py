@@ -54,3 +54,23 @@ def patch_targets(owners: torch.Tensor, classes: torch.Tensor, patch: int) -> to
     histogram = torch.zeros(count, cells * cells, 256)
     histogram.scatter_add_(2, by_patch, torch.ones(by_patch.shape))
     return torch.bmm(histogram / (half * half), classes)
+
+
+def patch_loss(logits: torch.Tensor, shares: torch.Tensor) -> torch.Tensor:
+    """Return the cross-entropy of what patches are said to show against the shares they show.
+
+    What none of the classes covers is a class of its own, whose logit is 0. Patches that show a
+    rare thing count more than those of table and floor, which are most.
+
+    Args:
+        logits: (n, patches, c).
+        shares: (n, patches, c), 0 to 1, with a sum of at most 1 over c.
+    """
+    rest = (1.0 - shares.sum(dim=-1, keepdim=True)).clamp(min=0.0)
+    everything = torch.cat([shares, rest], dim=-1)
+    padded = torch.cat([logits, torch.zeros_like(rest)], dim=-1)
+    each = -(everything * padded.log_softmax(dim=-1)).sum(dim=-1)
+    common = everything.mean(dim=(0, 1), keepdim=True)
+    # The square root is half way between counting patches and counting classes.
+    weights = (everything / (common + 0.005).sqrt()).sum(dim=-1)
+    return (weights * each).sum() / weights.sum()

@@ -107,14 +107,14 @@ class Asker:
         visible = truth.clearly_visible()
         if not visible:
             return []
-        weights = np.array([3.0 if item.kind in self._favourites else 1.0 for item in visible])
+        weights = np.array([5.0 if item.kind in self._favourites else 1.0 for item in visible])
         count = min(count, len(visible))
         chosen = rng.choice(len(visible), size=count, replace=False, p=weights / weights.sum())
         return [visible[int(index)] for index in chosen]
 
     def _about(self, truth: PictureTruth, item: ObjectTruth, rng: np.random.Generator) -> Question:
-        # Bare names half of the time: `phrases` lists far more coloured ones.
-        pool = item.names if rng.random() < 0.5 else item.phrases
+        # Mostly bare names: what a thing is takes far longer to learn than what colour it has.
+        pool = item.names if rng.random() < 0.7 else item.phrases
         phrase = str(rng.choice(pool))
         return Question(_framed(phrase, rng), fitting(truth, phrase))
 

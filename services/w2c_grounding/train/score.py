@@ -78,7 +78,7 @@ def _owner(owners: np.ndarray[Any, Any], point: tuple[float, float] | None) -> i
     return 0 if point is None else int(owners[int(point[1]), int(point[0])])
 
 
-def calibrate(trials: Sequence[Trial], wanted_rejection: float = 0.95) -> float:
+def calibrate(trials: Sequence[Trial], wanted_rejection: float = 0.92) -> float:
     """Return the threshold: the lowest that turns down this share of absent phrases.
 
     A thing that is not there must not be leaned on, so that rejection comes first; what remains

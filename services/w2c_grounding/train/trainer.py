@@ -9,19 +9,18 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch.nn import functional
 
 from w2c.errors import ConfigError
 from w2c_grounding.train.augment import normalise, vary
 from w2c_grounding.train.data import Pictures
-from w2c_grounding.train.loss import mask_loss, patch_targets
+from w2c_grounding.train.loss import mask_loss, patch_loss, patch_targets
 from w2c_grounding.train.model import Size, embed, features
 from w2c_grounding.train.phrases import COLOUR_WORDS, Asker, Question
 
 AVERAGING = 0.995
 """Share of the old in the running average of the weights. The average, not the last step, is what
 is kept: at any time of the training it is better than the weights themselves."""
-DENSE_WEIGHT = 2.0
+DENSE_WEIGHT = 0.4
 """Of what every patch shows, beside what was asked for"""
 MIN_PIXELS = 12
 """Of the squashed picture: a thing that a crop leaves less of is not asked for"""
@@ -46,7 +45,7 @@ class Plan:
     save_every: float = 60.0
     """[s]"""
     favourites: tuple[str, ...] = ("book", "mug")
-    """Kinds that are asked for three times as often"""
+    """Kinds that are asked for more often, see `Asker`"""
 
 
 class Trainer:
@@ -170,7 +169,11 @@ class Trainer:
         with torch.autocast("cpu", torch.bfloat16):
             logits, patches = self._forward(pixels, [question.phrase for question in questions])
         shares = patch_targets(owners, self._class_tables(indices), self._size.patch)
-        dense = functional.binary_cross_entropy_with_logits(patches.float(), shares)
+        patches = patches.float()
+        kinds = len(self._kinds)
+        dense = patch_loss(patches[..., :kinds], shares[..., :kinds]) + patch_loss(
+            patches[..., kinds:], shares[..., kinds:]
+        )
         # Every second row and column, which ones by chance: the same on average, at a quarter of
         # the time.
         row, column = (int(value) for value in rng.integers(0, 2, 2))
@@ -207,7 +210,7 @@ class Trainer:
     def _mask_loss(
         self, logits: torch.Tensor, owners: torch.Tensor, questions: list[Question]
     ) -> torch.Tensor:
-        """Return the loss of heatmaps (phrases, h, w) on pictures whose pixels have these owners."""
+        """Return the loss of heatmaps (phrases, h, w) where pixels have these owners."""
         each = len(questions) // len(owners)
         asked_for = torch.zeros(len(questions), 256, dtype=torch.bool)
         for number, question in enumerate(questions):

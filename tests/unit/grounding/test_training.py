@@ -15,7 +15,7 @@ from w2c_grounding.registry import ModelConfig, load
 from w2c_grounding.train.augment import normalise, vary
 from w2c_grounding.train.commands import train
 from w2c_grounding.train.data import load_pictures
-from w2c_grounding.train.loss import mask_loss, patch_targets
+from w2c_grounding.train.loss import mask_loss, patch_loss, patch_targets
 from w2c_grounding.train.model import Size, new_model, new_processor, start_patches
 from w2c_grounding.train.phrases import tokenizer_words, vocabulary_of
 from w2c_grounding.train.score import Trial, calibrate, summarise
@@ -183,3 +183,11 @@ def test_the_command_leaves_a_checkpoint_that_loads_and_its_scores(tmp_path: Pat
 def test_the_command_says_what_is_missing(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="w2c scenes render"):
         train(["--data", str(tmp_path / "none"), "--out", str(tmp_path / "out")])
+
+
+def test_patches_that_say_what_they_show_lose_least() -> None:
+    shares = torch.tensor([[[1.0, 0.0], [0.0, 0.5], [0.0, 0.0]]])
+    right = torch.tensor([[[20.0, -20.0], [-20.0, 0.0], [-20.0, -20.0]]])
+    wrong = right.flip(dims=(2,))
+    assert float(patch_loss(right, shares)) < 0.5
+    assert float(patch_loss(wrong, shares)) > 5.0
