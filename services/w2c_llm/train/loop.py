@@ -31,7 +31,7 @@ class Recipe:
     prompt_weight: float = 0.2
     """Weight of a token of the prompt in the loss; an answer's token has 1"""
     seed: int = 0
-    report_every: int = 200
+    report_every: int = 500
     """Steps between reports, each with a checkpoint"""
 
 

@@ -17,7 +17,7 @@ from w2c_llm.train.scoring import exact_matches, match_rates
 from w2c_llm.train.tokenizer import EncodedExample, encode, train_tokenizer
 from w2c_llm.train.verification import verify_export
 
-_SCORED_DURING_TRAINING = 400
+_SCORED_DURING_TRAINING = 200
 _TOKENIZER_EXAMPLES = 40_000
 """More than enough for the merges, and fast"""
 
