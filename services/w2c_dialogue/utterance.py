@@ -65,8 +65,11 @@ class Utterance:
         return " ".join(self.folded).rstrip(",")
 
     def numbered(self) -> str:
-        """Return the folded words, each after its number: `1 lean 2 on 3 it`."""
-        return " ".join(f"{i} {word}" for i, word in enumerate(self.folded, 1))
+        """Return the folded words, each with its number behind it: `lean1 on2 it3`.
+
+        Behind, because a model reads forwards: it finds the word and copies what follows.
+        """
+        return " ".join(f"{word}{i}" for i, word in enumerate(self.folded, 1))
 
     def phrase(self, span: Span) -> str:
         """Return the words of a span as typed, without outer punctuation and possessive s.

@@ -45,7 +45,8 @@ def of_task(task: str) -> list[tuple[str, str]]:
 
 
 def unnumbered(content: str) -> Utterance:
-    return parse(" ".join(content.split()[1::2]))
+    words = enumerate(content.split(), 1)
+    return parse(" ".join(word.removesuffix(str(number)) for number, word in words))
 
 
 def check_answer(question: Question, content: str, answer: str) -> object:

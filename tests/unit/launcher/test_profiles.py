@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from w2c import topics
 from w2c.errors import ConfigError
 from w2c_launcher.profiles import Options, processes
