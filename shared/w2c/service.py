@@ -11,7 +11,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 import psutil
 
@@ -40,6 +40,15 @@ class Node(Protocol):
 
     def close(self) -> None:
         """Release what `configure` took. Called in every case, after an error too."""
+
+
+@runtime_checkable
+class QueueingNode(Protocol):
+    """A node whose requests wait in a queue of its own; the health reports show its length."""
+
+    @property
+    def queue_length(self) -> int:
+        """Number of requests that wait."""
 
 
 class HealthReporter:
@@ -103,6 +112,8 @@ def run_node(
     health = HealthReporter(bus)
     health.set_phase("configure")
     node = make_node(bus, clock)
+    if isinstance(node, QueueingNode):
+        health.queue_length = lambda: node.queue_length
     try:
         node.configure()
         health.set_phase("ready")
