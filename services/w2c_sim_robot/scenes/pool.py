@@ -124,7 +124,7 @@ class Pool:
         data.qpos[:3] += rng.normal(0.0, 0.02, 3)
         pitch = rng.uniform(-0.05, 0.12)
         data.qpos[3:7] = (np.cos(pitch / 2), 0.0, np.sin(pitch / 2), 0.0)
-        self._bend(rng, "head_1_joint", -0.15, 0.085)
+        self._bend(rng, "head_1_joint", -0.4 if rng.random() < 0.5 else -0.1, 0.085)
         # A leaning robot turns its trunk, and its head the other way to keep its gaze.
         turn = rng.uniform(-0.45, 0.45) if rng.random() < 0.5 else rng.uniform(-0.1, 0.1)
         self._bend(rng, "torso_1_joint", turn, turn)

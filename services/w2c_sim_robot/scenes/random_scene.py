@@ -30,8 +30,8 @@ PAPER_REGIONS: dict[str, Region] = {
 """Where the things of the paper's scene (a) stand: x and y [m]"""
 PAPER_SHARE = 0.2
 """Of scenes with a book and a mug where the paper's scene (a) has them"""
-BESIDE = ("bottle", "bowl")
-"""What stands beside them in most such scenes"""
+PAPER_COLOURS = {"book": "red", "mug": "blue", "bottle": "green", "bowl": "yellow"}
+"""What is in scene (a), and its colours; half of such scenes hold exactly these"""
 GAP = 0.012
 """Between things that stand beside each other [m]"""
 
@@ -75,8 +75,12 @@ def random_scene(
     judging = seed >= JUDGING_SEED
     furniture = _furniture(rng, stock)
     as_in_paper = rng.random() < paper_share
-    chosen = _choose(rng, stock, ("book", "mug", *BESIDE) if as_in_paper else ())
-    colours = _colours(rng, chosen, judging)
+    chosen = _choose(rng, stock, tuple(PAPER_COLOURS) if as_in_paper else ())
+    if as_in_paper and rng.random() < 0.5:
+        chosen = [next(a for a in chosen if a.kind == kind) for kind in PAPER_COLOURS]
+        colours = [PAPER_COLOURS[asset.kind] for asset in chosen]
+    else:
+        colours = _colours(rng, chosen, judging)
     placed: list[SceneObject] = []
     for asset, colour in zip(chosen, colours, strict=True):
         region = PAPER_REGIONS.get(asset.kind) if as_in_paper else None
