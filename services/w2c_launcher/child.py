@@ -9,6 +9,8 @@ from pathlib import Path
 from w2c.errors import ProcessError
 
 STOP_PATIENCE_S = 6.0
+QUIET_THREADS = {"OMP_WAIT_POLICY": "PASSIVE", "OPENBLAS_NUM_THREADS": "1"}
+"""Libraries whose threads spin while they wait would take the cores that the 500 Hz loop needs."""
 
 # The child asks the kernel to be told when its parent dies, then becomes the service: so no process
 # of the simulation outlives its launcher, even one that was killed. (On Linux.)
@@ -36,6 +38,7 @@ class Child:
                     stdin=subprocess.DEVNULL,
                     stdout=log,
                     stderr=log,
+                    env={**os.environ, **QUIET_THREADS},
                     # Ctrl-C in the terminal reaches the launcher alone, which stops in order.
                     start_new_session=True,
                 )
