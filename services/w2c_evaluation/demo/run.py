@@ -111,7 +111,7 @@ def _keep_pictures(operator: Operator, line: Line, directory: Path) -> None:
         _keep_picture(operator, directory / f"{line.picture}.jpg")
     frame = operator.frame_of_target()
     if line.expect == "target" and frame is not None and operator.target is not None:
-        name = f"target-{operator.target.target_id}.jpg"
+        name = f"target-{line.text.split()[0].lower()}-{operator.target.corrections}.jpg"
         (directory / name).write_bytes(draw_target(frame.jpeg, operator.target))
 
 
