@@ -8,7 +8,7 @@ import pytest
 from support.recordings import raw_mark
 from support.waiting import wait_until
 from w2c.bus import RawReceived
-from w2c.bus.base import Mailbox
+from w2c.bus.mailbox import Mailbox
 from w2c.errors import RecordingError, RefusedError
 from w2c.messages import MarkRequest
 from w2c_recorder.mcap_file import McapFile
