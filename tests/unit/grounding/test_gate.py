@@ -27,23 +27,23 @@ def test_an_error_inside_gives_the_turn_back() -> None:
 
 
 def test_never_two_inside_at_once() -> None:
-    gate = Gate(limit=8)
-    inside, most = 0, 0
-    start = threading.Barrier(8)
+    gate = Gate(limit=1)
+    meeting = threading.Barrier(2)
+    met: list[bool] = []
 
     def visit() -> None:
-        nonlocal inside, most
-        start.wait()
-        for _ in range(50):
-            with gate.turn():
-                inside += 1
-                most = max(most, inside)
-                inside -= 1
+        with gate.turn():
+            try:
+                meeting.wait(timeout=0.2)  # passes only if the other is inside too
+                met.append(True)
+            except threading.BrokenBarrierError:
+                met.append(False)
+                meeting.reset()
 
-    threads = [threading.Thread(target=visit) for _ in range(8)]
+    threads = [threading.Thread(target=visit) for _ in range(2)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert most == 1
+    assert met == [False, False]
     assert gate.waiting == 0
