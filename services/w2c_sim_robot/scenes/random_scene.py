@@ -176,7 +176,8 @@ def _place(
         reach = 0.12 + 0.5 * x
         y = float(np.clip(rng.uniform(-reach, reach), surface_y - half_y, surface_y + half_y))
         if region is not None:
-            x, y = float(rng.uniform(*region[0])), float(rng.uniform(*region[1]))
+            x = min(float(rng.uniform(*region[0])), back - radius)
+            y = float(np.clip(rng.uniform(*region[1]), surface_y - half_y, surface_y + half_y))
         item = _made(asset, colour, (x, y, height), yaw)
         if not any(_near(item, other) for other in placed):
             return item

@@ -117,7 +117,10 @@ def test_a_thing_has_the_colour_that_the_truth_names(rendered: tuple[Path, list[
         hsv = cv2.cvtColor(read(directory / truth["image"]), cv2.COLOR_BGR2HSV)
         identity = read(directory / truth["identity"])
         for item in truth["objects"][1:]:
-            if item["colour"] not in hues or item["visible_pixels"] < 300:
+            # The colour of a mallet is its head's; its wooden handle may be all that is seen.
+            if item["colour"] not in hues or item["kind"] == "mallet":
+                continue
+            if item["visible_pixels"] < 300:
                 continue
             pixels = hsv[identity == item["id"]].astype(int)
             vivid = pixels[pixels[:, 1] > 100]
@@ -129,10 +132,13 @@ def test_a_thing_has_the_colour_that_the_truth_names(rendered: tuple[Path, list[
 
 def test_depth_puts_the_table_top_at_its_height(rendered: tuple[Path, list[Any]]) -> None:
     directory, truths = rendered
+    checked = 0
     for truth in truths:
         depth = read(directory / f"{truth['seed']:07d}_depth.png")
         identity = read(directory / truth["identity"])
         rows, columns = np.nonzero(identity == truth["objects"][0]["id"])
+        if len(rows) < 0.3 * identity.size:  # seen from far aside, the edges are most of it
+            continue
         z = depth[rows, columns] * DEPTH_UNIT
         fx, fy, cx, cy = truth["intrinsics"]
         points = np.column_stack(
@@ -142,6 +148,8 @@ def test_depth_puts_the_table_top_at_its_height(rendered: tuple[Path, list[Any]]
 
         # Edges are smoothed over; the surface itself is not.
         assert np.median(heights) == pytest.approx(truth["objects"][0]["size"][2], abs=1e-3)
+        checked += 1
+    assert checked >= 2
 
 
 def test_a_picture_depends_on_its_seed_alone_and_sets_can_be_continued(
