@@ -129,6 +129,13 @@ def test_garbage_on_a_command_key_is_counted_and_moves_nothing(system: RunningSy
         assert stands(bus)
 
 
+def test_a_pixel_outside_the_picture_moves_nothing(system: RunningSystem) -> None:
+    answer = system.verb("place", "--end-effector", "right_hand", "--pixel", "5000", "10")
+    assert answer.returncode == 1
+    with system.connect() as bus:
+        assert stands(bus)
+
+
 def test_a_goal_with_nan_is_refused_by_whoever_receives_it(system: RunningSystem) -> None:
     with system.connect() as bus:
         goal = PlaceGoal(
