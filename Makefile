@@ -4,9 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMPS := .stamps
 EXTRAS ?= all,dev
+comma := ,
 # One stamp a set of extras: another set, or a changed lock, installs again.
 STAMP := $(STAMPS)/$(subst $(comma),-,$(EXTRAS))
-comma := ,
 
 .PHONY: help demo up test check bench clean setup format
 
