@@ -7,7 +7,7 @@ from typing import Any
 from w2c.messages import ControllerStatus
 from w2c_evaluation.demo.operator import LineResult
 
-LATENESS = {"p50": "p50", "p99": "p99", "max": "max", "gaps_20ms": "gaps_20ms"}
+LATENESS = ("p50", "p99", "max", "gaps_20ms")
 
 
 def make_summary(
@@ -36,7 +36,7 @@ def make_summary(
         "end_effector_error_mm": _rounded(reaches[-1].error_m * 1e3) if reaches else None,
         "hand_force_N": _rounded(contacts[-1].force_n) if contacts else None,
         "fell": fell,
-        "lateness_us": {name: _rounded(lateness.get(key)) for name, key in LATENESS.items()},
+        "lateness_us": {name: _rounded(lateness.get(name)) for name in LATENESS},
         "recording": recording,
         "problem": problem,
     }
