@@ -16,7 +16,7 @@ class Bookkeeping:
         self.goal: Goal | None = None
         self.releasing_id = ""
         """Id of the release that is under way."""
-        self._hand = HANDS[0]
+        self._effector = HANDS[0]
         self._log = EventLog()
 
     def busy_with(self) -> str:
@@ -25,9 +25,9 @@ class Bookkeeping:
             return ""
         return self.goal.goal_id if self.goal else self.releasing_id or "the retreat of a hand"
 
-    def busy_hand(self) -> int:
-        """Return the hand of the goal under way."""
-        return self._hand
+    def busy_effector(self) -> int:
+        """Return the end effector of the goal under way."""
+        return self._effector
 
     def _unfinished(self) -> bool:
         """Return whether a goal is under way whose end was not told yet."""
@@ -45,9 +45,9 @@ class Bookkeeping:
     def _emit(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
         goal_id = self.goal.goal_id if self.goal is not None else self.releasing_id
         task = self.goal.task if self.goal is not None else "contact"
-        self._log.add(Event(goal_id, self._hand, task, state, reason, distance))
+        self._log.add(Event(goal_id, self._effector, task, state, reason, distance))
 
     def _require_goal(self) -> Goal:
         if self.goal is None:
-            raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._hand]} has no goal")
+            raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._effector]} has no goal")
         return self.goal

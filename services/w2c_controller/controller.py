@@ -242,7 +242,7 @@ class Controller:
 
     def _begin_requests(self) -> None:
         for request in self.requests.due(self._tick):
-            conflict = self.requests.conflict(request.hand)
+            conflict = self.requests.conflict(request.effector)
             if conflict:
                 self._events.append(_event(request, "aborted", conflict))
                 continue
@@ -250,7 +250,7 @@ class Controller:
             if request.goal is not None:
                 self._switching.place(request.goal)
             else:
-                self._switching.release(request.goal_id, request.hand)
+                self._switching.release(request.goal_id, request.effector)
             self._publish_situation()
 
     def _own_command(self) -> Vector:
@@ -276,7 +276,7 @@ class Controller:
             ready=True,
             stopped=self._stopped,
             busy_id=switching.busy_with(),
-            busy_hand=switching.busy_hand(),
+            busy_effector=switching.busy_effector(),
             away=(away[0], away[1]),
             enabled=state.enabled,
         )
@@ -300,4 +300,4 @@ class Controller:
 
 def _event(request: Request, state: EventState, reason: str = "") -> Event:
     task = request.goal.task if request.goal is not None else "contact"
-    return Event(request.goal_id, request.hand, task, state, reason)
+    return Event(request.goal_id, request.effector, task, state, reason)

@@ -16,7 +16,7 @@ class Event:
     """A goal changed its state."""
 
     goal_id: str
-    hand: int
+    effector: int
     task: Task
     state: EventState
     reason: str = ""

@@ -39,7 +39,7 @@ class Goal:
     """(3,) where the hand's frame is when the hand touches the point [m]"""
 
     @property
-    def hand(self) -> int:
+    def effector(self) -> int:
         """Index of the end effector."""
         return EFFECTORS.index(self.end_effector)
 

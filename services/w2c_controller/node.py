@@ -175,7 +175,7 @@ class ControllerNode:
         message = GoalEvent(
             stamp_ns=stamp_ns,
             goal_id=event.goal_id,
-            end_effector=EFFECTORS[event.hand],
+            end_effector=EFFECTORS[event.effector],
             task=event.task,
             state=event.state,
             reason=event.reason,

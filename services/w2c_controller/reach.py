@@ -178,7 +178,7 @@ def farthest_reach(
     ahead.start(description.initial_position[model.joint_indices])
     if support is not None:
         goal = check_place(support, model.hand_radius)
-        ahead.lean(goal.hand, goal.target, goal.normal)
+        ahead.lean(goal.effector, goal.target, goal.normal)
     ray = unit([direction[0], direction[1], 0.0])
     start = np.array([origin[0], origin[1], height])
     ahead.point(hand, start + ray, unit(normal))
@@ -194,5 +194,5 @@ def preview_distance(ahead: LookAhead, state: DesiredState, goal: PlaceGoal) -> 
     checked = check_place(goal, ahead.hand_radius)
     ahead.start_from(state)
     if checked.task == "reach":
-        ahead.point(checked.hand, checked.target, checked.normal)
-    return ahead.move(checked.hand, checked.target)
+        ahead.point(checked.effector, checked.target, checked.normal)
+    return ahead.move(checked.effector, checked.target)

@@ -27,7 +27,7 @@ class Situation:
     stopped: bool = False
     stale: bool = False
     busy_id: str = ""
-    busy_hand: int = -1
+    busy_effector: int = -1
     away: tuple[bool, bool] = (False, False)
     """Hands that lean, or are away from their rest: left, right"""
     enabled: Enabled = STANDING
@@ -38,7 +38,7 @@ class Request:
     """A goal or a release that was admitted."""
 
     goal_id: str
-    hand: int
+    effector: int
     start_tick: int
     """-1: the next one"""
     goal: Goal | None
@@ -56,8 +56,8 @@ class Requests:
     def place(self, message: PlaceGoal) -> GoalReply:
         """Admit a goal. Raises GoalRefusedError."""
         goal = check_place(message, self._hand_radius)
-        self._admit(message.effective_tick, goal.hand)
-        return self._put(Request(goal.goal_id, goal.hand, message.effective_tick, goal))
+        self._admit(message.effective_tick, goal.effector)
+        return self._put(Request(goal.goal_id, goal.effector, message.effective_tick, goal))
 
     def release(self, message: ReleaseGoal) -> GoalReply:
         """Admit a release. Raises GoalRefusedError."""
@@ -86,9 +86,9 @@ class Requests:
     def conflict(self, hand: int) -> str:
         """Return why a goal of this hand cannot begin now; "" = it can."""
         now = self.situation
-        if now.busy_id and now.busy_hand != hand:
+        if now.busy_id and now.busy_effector != hand:
             return (
-                f"the {EFFECTORS[now.busy_hand].replace('_', ' ')} is on its way "
+                f"the {EFFECTORS[now.busy_effector].replace('_', ' ')} is on its way "
                 f"(goal '{now.busy_id}'); wait for it, or release it"
             )
         return ""
@@ -111,7 +111,7 @@ class Requests:
         if conflict:
             raise GoalRefusedError(conflict)
         for request in tuple(self._slot):
-            if request.hand != hand and effective_tick < 0 and request.start_tick < 0:
+            if request.effector != hand and effective_tick < 0 and request.start_tick < 0:
                 raise GoalRefusedError(
                     f"goal '{request.goal_id}' of the other hand begins now; "
                     "one hand moves at a time"

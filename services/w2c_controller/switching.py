@@ -67,9 +67,9 @@ class Switching(Bookkeeping):
     def place(self, goal: Goal) -> None:
         """Begin a goal; its hand leaves its support first where it has one."""
         self._supersede(goal.goal_id)
-        if self._retargeting.state.enabled[goal.hand]:
+        if self._retargeting.state.enabled[goal.effector]:
             self.goal, self._next = goal, goal
-            self._begin_unload(goal.hand)
+            self._begin_unload(goal.effector)
         else:
             self._begin_approach(goal)
 
@@ -104,7 +104,7 @@ class Switching(Bookkeeping):
         """Return what is left between hand and target [m]; -1 without a goal."""
         if self.goal is None:
             return -1.0
-        return float(np.linalg.norm(self._hands.position(self.goal.hand) - self.goal.target))
+        return float(np.linalg.norm(self._hands.position(self.goal.effector) - self.goal.target))
 
     def normal_load(self, hand: int, measured: Measured) -> float:
         """Return the measured normal force on a hand [N], without what it read in the air."""
@@ -112,34 +112,34 @@ class Switching(Bookkeeping):
 
     # --- beginnings ------------------------------------------------------------------------------
     def _begin_approach(self, goal: Goal) -> None:
-        self.goal, self._hand, self.releasing_id = goal, goal.hand, ""
+        self.goal, self._effector, self.releasing_id = goal, goal.effector, ""
         self._next = None
-        self._feelers[goal.hand] = Feeler(goal.normal)
+        self._feelers[goal.effector] = Feeler(goal.normal)
         self._log.begin()
         self._bump = False
-        self._away[goal.hand] = way_back(goal)
+        self._away[goal.effector] = way_back(goal)
         if goal.task == "reach":
-            self._hands.rotations[goal.hand] = pointing_rotation(-self._away[goal.hand])
+            self._hands.rotations[goal.effector] = pointing_rotation(-self._away[goal.effector])
         else:
-            self._hands.relax(goal.hand)
-        start = self._hands.position(goal.hand)
+            self._hands.relax(goal.effector)
+        start = self._hands.position(goal.effector)
         self._travel("approach", approach(goal, start, self._motion))
         self._emit("moving")
 
     def _begin_unload(self, hand: int) -> None:
-        self._hand = hand
+        self._effector = hand
         self._retargeting.release(hand)
         self._enter("unload")
 
     def _begin_retreat(self, hand: int) -> None:
-        self._hand = hand
+        self._effector = hand
         self._hands.relax(hand)
         start, rest = self._hands.position(hand), self._hands.rest[hand]
         self._travel("retreat", retreat(start, self._away[hand], rest, self._motion))
 
     def _travel(self, phase: GoalPhase, path: Path) -> None:
         self._path = path
-        self._hands.targets[self._hand] = self._path.position()
+        self._hands.targets[self._effector] = self._path.position()
         self._enter(phase)
 
     def _enter(self, phase: GoalPhase) -> None:
@@ -151,7 +151,7 @@ class Switching(Bookkeeping):
     # --- phases ----------------------------------------------------------------------------------
     def _follow(self) -> bool:
         """Advance the path while the hand keeps up. Returns whether the hand is stuck."""
-        path, hand = self._path, self._hand
+        path, hand = self._path, self._effector
         position = self._hands.position(hand)
         if float(np.linalg.norm(path.position() - position)) < self._lead:
             path.advance(self._dt)
@@ -168,22 +168,22 @@ class Switching(Bookkeeping):
                 path.next_leg()
                 self._stall.reset()
             if path.leg == 0:
-                self._feelers[self._hand].tare(measured.hands[self._hand - HANDS[0]])
+                self._feelers[self._effector].tare(measured.hands[self._effector - HANDS[0]])
             elif self._bumped(measured):
                 self._enter("reach")
             elif path.finished or stuck:
-                self._hands.targets[self._hand] = path.end
+                self._hands.targets[self._effector] = path.end
                 self._enter("reach")
             return
         if path.leg > 0:
-            self._hands.targets[self._hand] = path.legs[0].position(path.legs[0].duration)
+            self._hands.targets[self._effector] = path.legs[0].position(path.legs[0].duration)
             self._enter("touch")
         elif stuck or self._elapsed > self._motion.approach_timeout:
             self._give_up(unreachable=True)
 
     def _touch(self, measured: Measured) -> None:
         """Rest above the surface and tare, then go down until the surface stops the hand."""
-        path, hand = self._path, self._hand
+        path, hand = self._path, self._effector
         above = path.legs[1].points[0]
         if self._settled < SETTLE_TIME:
             near = float(np.linalg.norm(self._hands.position(hand) - above)) < SETTLE_DISTANCE
@@ -206,25 +206,25 @@ class Switching(Bookkeeping):
             self._give_up(f"no surface down to {depth:.0f} cm below the point: nothing to lean on")
 
     def _load(self, measured: Measured) -> None:
-        force = self.normal_load(self._hand, measured)
-        confirmed = force > self._motion.load_confirmed and self._retargeting.loaded(self._hand)
+        force = self.normal_load(self._effector, measured)
+        confirmed = force > self._motion.load_confirmed and self._retargeting.loaded(self._effector)
         self._settled = self._settled + self._dt if confirmed else 0.0
         if self._settled >= CONFIRM_TIME:
             self._emit("loaded", f"measured {force:.0f} N")
             self._enter("contact")
         elif self._elapsed > self._motion.load_timeout:
-            desired = float(self._retargeting.state.wrenches[self._hand, 2])
+            desired = float(self._retargeting.state.wrenches[self._effector, 2])
             self._emit(
                 "aborted",
                 f"the hand did not take load within {self._motion.load_timeout:.0f} s: "
                 f"desired {desired:.0f} N, measured {force:.0f} N",
             )
             self.goal = None
-            self._begin_unload(self._hand)
+            self._begin_unload(self._effector)
 
     def _bumped(self, measured: Measured) -> bool:
         """Stop a reaching hand that touches something: it reaches, it does not push."""
-        hand = self._hand
+        hand = self._effector
         force = self._feelers[hand].force(measured.hands[hand - HANDS[0]])
         if not force > self._motion.bump_force:
             return False
@@ -240,20 +240,20 @@ class Switching(Bookkeeping):
         if self._bump and distance < motion.bump_distance:
             self._emit_new("reached", "touched something at the point", distance)
         elif distance < motion.reached_distance:
-            if self._hands.speed(self._hand) < motion.reached_speed:
+            if self._hands.speed(self._effector) < motion.reached_speed:
                 self._emit_new("reached", distance=distance)
-        elif self._stall.step(self._hands.position(self._hand)):
+        elif self._stall.step(self._hands.position(self._effector)):
             blocked = self._bump
             reason = short_by(distance, "something in the way") if blocked else short_by(distance)
             self._emit_new("unreachable", reason, distance)
 
     def _unload(self, _: Measured) -> None:
-        if not self._retargeting.state.enabled[self._hand]:
-            self._hands.stop(self._hand)
-            self._begin_retreat(self._hand)
+        if not self._retargeting.state.enabled[self._effector]:
+            self._hands.stop(self._effector)
+            self._begin_retreat(self._effector)
         elif self._elapsed > self._motion.unload_timeout:
-            left = float(self._retargeting.state.wrenches[self._hand, 2])
-            self._retargeting.keep(self._hand)
+            left = float(self._retargeting.state.wrenches[self._effector, 2])
+            self._retargeting.keep(self._effector)
             reason = (
                 f"{left:.0f} N cannot be taken off this hand: the other contacts cannot carry it"
             )
@@ -267,7 +267,7 @@ class Switching(Bookkeeping):
         if path.leg > 0 and self._next is not None:
             self._begin_approach(self._next)
         elif path.finished or stuck:
-            self._hands.targets[self._hand] = path.end
+            self._hands.targets[self._effector] = path.end
             if self.releasing_id:
                 self._emit("released")
             self.goal, self.releasing_id = None, ""
@@ -282,4 +282,4 @@ class Switching(Bookkeeping):
             self._emit("unreachable", reason, distance)
         self._emit("aborted", reason, distance)
         self.goal = None
-        self._begin_retreat(self._hand)
+        self._begin_retreat(self._effector)

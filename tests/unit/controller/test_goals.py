@@ -45,7 +45,7 @@ def test_the_target_is_the_radius_above_the_surface() -> None:
     goal = check_place(_place(normal=(0.0, 0.0, 2.0)), RADIUS)
     np.testing.assert_allclose(goal.target, [0.5, -0.25, 0.89])
     np.testing.assert_allclose(goal.normal, [0.0, 0.0, 1.0])
-    assert goal.hand == 3
+    assert goal.effector == 3
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ READY = Situation(tick=100, ready=True)
         (replace(READY, stale=True), _place(), "stale"),
         (READY, _place(effective_tick=100), "has passed"),
         (READY, _place(effective_tick=1_000_000), "ahead"),
-        (replace(READY, busy_id="first", busy_hand=2), _place(), "'first'"),
+        (replace(READY, busy_id="first", busy_effector=2), _place(), "'first'"),
     ],
 )
 def test_goals_at_a_wrong_time_are_refused(
@@ -106,7 +106,7 @@ def test_goals_at_a_wrong_time_are_refused(
 
 def test_the_hand_that_moves_may_get_another_target() -> None:
     requests = Requests(RADIUS)
-    requests.situation = replace(READY, busy_id="first", busy_hand=3)
+    requests.situation = replace(READY, busy_id="first", busy_effector=3)
     assert requests.place(_place()).start_tick == 101
 
 
