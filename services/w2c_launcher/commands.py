@@ -15,7 +15,14 @@ from w2c.config import parse
 from w2c.errors import ProcessError
 from w2c.messages import Health
 from w2c.service import stop_on_signals
-from w2c.system import CURRENT, Connection, is_running, read_system_file, service_config
+from w2c.system import (
+    CURRENT,
+    Connection,
+    is_running,
+    read_system_file,
+    service_config,
+    wait_until_ready,
+)
 
 HEALTH_ROUND_S = 1.6
 """Every process reports once a second: this long shows them all."""
@@ -24,7 +31,7 @@ HEALTH_ROUND_S = 1.6
 def up(arguments: list[str] | None = None) -> int:
     """Start a system and look after it."""
     from w2c_launcher.run_directory import make_run_directory
-    from w2c_launcher.up import System, UpConfig, wait_until_ready
+    from w2c_launcher.up import System, UpConfig
 
     argv = sys.argv[1:] if arguments is None else arguments
     config = parse(UpConfig, argv, program="w2c up")
@@ -40,7 +47,7 @@ def up(arguments: list[str] | None = None) -> int:
             stderr=log_file,
             start_new_session=True,
         )
-    system = wait_until_ready(run_directory, launcher.pid)
+    system = wait_until_ready(run_directory, launcher.pid, launcher.poll)
     print(f"ready; operator's page: {system.console_url}; stop it with: w2c down")
     return 0
 

@@ -186,21 +186,3 @@ class System:
             "detail": detail,
         }
         write_system_file(msgspec.convert(values, SystemFile))
-
-
-def wait_until_ready(run_directory: Path, pid: int, patience_s: float = 240.0) -> SystemFile:
-    """Return the file of a system that another process starts, once it is ready.
-
-    Raises:
-        ProcessError: it stopped, or took longer.
-    """
-    deadline = time.monotonic() + patience_s
-    while time.monotonic() < deadline:
-        system = read_system_file(run_directory)
-        if system is not None and system.pid == pid:
-            if system.state == "ready":
-                return system
-            if system.state in ("stopping", "stopped"):
-                raise ProcessError(f"the system did not start: {system.detail or 'see its logs'}")
-        time.sleep(0.1)
-    raise ProcessError(f"not ready within {patience_s:.0f} s; see the logs in {run_directory}")

@@ -1,17 +1,20 @@
 """Where the running system is: a small file in its run directory, which every verb reads."""
 
 import os
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
 
 from w2c.config import RobotId, ServiceConfig
-from w2c.errors import ConfigError, ConnectionFailedError
+from w2c.errors import ConfigError, ConnectionFailedError, ProcessError
 
 RUNS = Path("runs")
 CURRENT = RUNS / "current"
 FILE_NAME = "system.json"
+START_PATIENCE_S = 300.0
 
 
 class SystemFile(msgspec.Struct, frozen=True, kw_only=True):
@@ -74,6 +77,41 @@ def is_running(system: SystemFile) -> bool:
     return True
 
 
+def wait_until_ready(
+    run_directory: Path,
+    pid: int,
+    exit_status: Callable[[], int | None],
+    patience_s: float = START_PATIENCE_S,
+) -> SystemFile:
+    """Return the file of a system that a child process starts, once it is ready.
+
+    Args:
+        run_directory: Of the system.
+        pid: Of the launcher.
+        exit_status: Of the launcher, None while it runs.
+        patience_s: How long to wait [s].
+
+    Raises:
+        ProcessError: the launcher ended, or took longer.
+    """
+    deadline = time.monotonic() + patience_s
+    while time.monotonic() < deadline:
+        status = exit_status()
+        system = read_system_file(run_directory)
+        if system is not None and system.pid != pid:
+            system = None  # of an earlier run
+        if status is not None or (system is not None and system.state in ("stopping", "stopped")):
+            detail = system.detail if system is not None else ""
+            raise ProcessError(
+                f"the system did not start: {detail or f'exit status {status}'}; "
+                f"see the logs in {run_directory}"
+            )
+        if system is not None and system.state == "ready":
+            return system
+        time.sleep(0.1)
+    raise ProcessError(f"not ready within {patience_s:.0f} s; see the logs in {run_directory}")
+
+
 def service_config(connection: Connection) -> ServiceConfig:
     """Return the connection completed from the running system's file.
 
@@ -104,5 +142,6 @@ __all__ = [
     "is_running",
     "read_system_file",
     "service_config",
+    "wait_until_ready",
     "write_system_file",
 ]

@@ -3,15 +3,12 @@
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from w2c.errors import ProcessError
-from w2c.system import SystemFile, read_system_file
+from w2c.system import SystemFile, wait_until_ready
 
-START_PATIENCE_S = 300.0
 STOP_PATIENCE_S = 60.0
 
 
@@ -35,7 +32,7 @@ def running_system(run_directory: Path, flags: list[str], *, quiet: bool) -> Ite
             stderr=log if quiet else None,
         )
         try:
-            yield _wait_until_ready(run_directory, launcher)
+            yield wait_until_ready(run_directory, launcher.pid, launcher.poll)
         finally:
             launcher.send_signal(signal.SIGTERM)
             try:
@@ -43,18 +40,3 @@ def running_system(run_directory: Path, flags: list[str], *, quiet: bool) -> Ite
             except subprocess.TimeoutExpired:
                 launcher.kill()
                 launcher.wait()
-
-
-def _wait_until_ready(run_directory: Path, launcher: "subprocess.Popen[bytes]") -> SystemFile:
-    deadline = time.monotonic() + START_PATIENCE_S
-    while time.monotonic() < deadline:
-        status = launcher.poll()
-        if status is not None:
-            raise ProcessError(
-                f"the system did not start (exit status {status}); see the logs in {run_directory}"
-            )
-        system = read_system_file(run_directory)
-        if system is not None and system.pid == launcher.pid and system.state == "ready":
-            return system
-        time.sleep(0.1)
-    raise ProcessError(f"not ready within {START_PATIENCE_S:.0f} s; see {run_directory}")

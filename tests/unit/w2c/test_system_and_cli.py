@@ -10,13 +10,14 @@ import pytest
 
 from w2c import cli
 from w2c.clock import StepClock
-from w2c.errors import ConfigError, ConnectionFailedError
+from w2c.errors import ConfigError, ConnectionFailedError, ProcessError
 from w2c.system import (
     Connection,
     SystemFile,
     is_running,
     read_system_file,
     service_config,
+    wait_until_ready,
     write_system_file,
 )
 
@@ -55,6 +56,32 @@ def test_a_dead_launcher_is_no_running_system(tmp_path: Path) -> None:
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
     assert not is_running(system_file(tmp_path, ended.pid))
+
+
+def test_waiting_ends_when_the_launcher_says_ready(tmp_path: Path) -> None:
+    system = system_file(tmp_path, 4711)
+    write_system_file(system)
+    assert wait_until_ready(tmp_path, 4711, lambda: None) == system
+
+
+def test_waiting_ignores_the_file_of_an_earlier_launcher(tmp_path: Path) -> None:
+    write_system_file(system_file(tmp_path, 4711))
+    with pytest.raises(ProcessError, match="not ready within 0 s"):
+        wait_until_ready(tmp_path, 4712, lambda: None, patience_s=0.15)
+
+
+def test_waiting_tells_why_the_launcher_gave_up(tmp_path: Path) -> None:
+    broken = msgspec.structs.replace(
+        system_file(tmp_path, 4711), state="stopping", detail="no robot"
+    )
+    write_system_file(broken)
+    with pytest.raises(ProcessError, match="no robot"):
+        wait_until_ready(tmp_path, 4711, lambda: None)
+
+
+def test_waiting_tells_that_the_launcher_ended(tmp_path: Path) -> None:
+    with pytest.raises(ProcessError, match="exit status 3"):
+        wait_until_ready(tmp_path, 4711, lambda: 3)
 
 
 def test_verbs_use_the_running_system_and_flags_win(
