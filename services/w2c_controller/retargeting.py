@@ -14,7 +14,7 @@ from w2c_controller.balance import balance_at_rest
 from w2c_controller.contacts import ContactLayout, Enabled, normal_force_limits
 from w2c_controller.desired import DesiredState, with_contact
 from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.parameters import EFFECTORS, FEET, HANDS, Parameters
+from w2c_controller.parameters import FEET, Parameters
 from w2c_controller.program import ProgramBuilder
 from w2c_controller.solver import FallbackSolver, Solver
 
@@ -88,11 +88,10 @@ class Retargeting:
         """Make a contact where the end effector is now, without force yet.
 
         Args:
-            contact: Index of a hand.
-            contact_rotation: (3, 3) world_from_contact, z out of the surface.
+            contact: Index of the end effector.
+            contact_rotation: (3, 3) world_from_contact, z out of the surface; a foot's wrench is
+                in its sole frame, whatever this says.
         """
-        if contact not in HANDS:
-            raise ValueError(f"{EFFECTORS[contact]} cannot be enabled, only hands can")
         state = self.state
         state.contact_rotations[contact] = contact_rotation
         state.wrenches[contact] = 0.0
@@ -105,8 +104,6 @@ class Retargeting:
 
     def release(self, contact: int) -> None:
         """Begin to unload a contact; it is free when `enabled` no longer holds it."""
-        if contact not in HANDS:
-            raise ValueError(f"{EFFECTORS[contact]} cannot be released, only hands can")
         if self.state.enabled[contact]:
             self.state.releasing[contact] = True
             self.state.force_min[contact] = 0.0
@@ -174,8 +171,9 @@ class Retargeting:
     def _drop_unloaded(self) -> None:
         """Free a released contact whose force is within one tick of zero."""
         state = self.state
-        for k in HANDS:
-            threshold = self.dt * self.parameters.limits.hand_force_rate
+        limits = self.parameters.limits
+        for k in range(4):
+            threshold = self.dt * (limits.foot_force_rate if k in FEET else limits.hand_force_rate)
             if state.enabled[k] and state.releasing[k] and state.wrenches[k, 2] < threshold:
                 state.enabled = with_contact(state.enabled, k, False)
                 state.releasing[k] = False

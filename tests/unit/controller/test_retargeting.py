@@ -44,11 +44,37 @@ def test_a_released_hand_is_free_when_its_force_is_gone(retargeting: Retargeting
     assert not retargeting.state.releasing[RIGHT_HAND]
 
 
-def test_feet_are_neither_enabled_nor_released(retargeting: Retargeting) -> None:
-    with pytest.raises(ValueError, match="left_foot"):
-        retargeting.enable(0, np.eye(3))
-    with pytest.raises(ValueError, match="right_foot"):
-        retargeting.release(1)
+def test_a_foot_is_unloaded_lifted_put_down_and_loaded(retargeting: Retargeting) -> None:
+    retargeting.release(0)
+    ticks = 0
+    while retargeting.state.enabled[0]:
+        assert retargeting.tick()
+        ticks += 1
+        assert ticks < 1500
+    weight = float(retargeting.state.wrenches[1, 2])
+    assert weight == pytest.approx(sum(retargeting.state.wrenches[:, 2]))
+    # The balance is over the other sole: within the half width of its centre of pressure.
+    com = retargeting.kinematics.center_of_mass(retargeting.state.q)
+    assert abs(com[1] - retargeting.kinematics.positions[1, 1]) < 0.031
+    retargeting.state.target_positions[0, 2] += 0.03
+    for _ in range(200):
+        assert retargeting.tick()
+    assert retargeting.kinematics.positions[0, 2] == pytest.approx(0.03, abs=2e-3)
+    retargeting.state.target_positions[0, 2] -= 0.03
+    for _ in range(200):
+        assert retargeting.tick()
+    retargeting.enable(0, np.eye(3))
+    for _ in range(180):
+        assert retargeting.tick()
+    assert retargeting.loaded(0)
+
+
+def test_the_last_foot_is_never_dropped(retargeting: Retargeting) -> None:
+    retargeting.release(0)
+    retargeting.release(1)
+    for _ in range(1000):
+        assert retargeting.tick()
+    assert retargeting.state.enabled[:2] == (True, True)
 
 
 class _Failing:
