@@ -6,16 +6,15 @@ Who collides with whom: the robot with the world, the world with itself, the rob
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
 
-from w2c.errors import ConfigError
 from w2c.geometry import base_from_midfeet, inverse, quaternion_from_rotation, transform, unit
 from w2c.messages import Array
 from w2c_sim_robot import talos
+from w2c_sim_robot.perturbation import Perturbation, perturb, tilt_soles
 from w2c_sim_robot.urdf import make_urdf, mujoco_urdf
 
 if TYPE_CHECKING:
@@ -46,22 +45,6 @@ _DAMPING_SHARE = 0.02  # kv / kp: gives the sway of the standing robot a damping
 _ARMATURE = 0.1  # reflected rotor inertia [kg m^2]
 _FRICTION = (0.8, 0.01, 0.001)  # sliding, torsion [m], rolling [m]: rubber on paper, wood or floor
 _CONTACT_TIME_S = 0.005  # the floor gives way by less than 0.1 mm
-
-
-@dataclass(frozen=True)
-class Perturbation:
-    """How the simulated robot differs from its description, which stays nominal. 1 = not at all."""
-
-    stiffness: float = 1.0
-    friction: float = 1.0
-    mass: float = 1.0
-
-    def __post_init__(self) -> None:
-        """Refuse factors that are no robot any more."""
-        for name in ("stiffness", "friction", "mass"):
-            value = getattr(self, name)
-            if not 0.05 <= value <= 20.0:
-                raise ConfigError(f"{name} scale {value:g} is outside 0.05 to 20; 1 is nominal")
 
 
 def build_spec(scene: Scene | None = None) -> mujoco.MjSpec:
@@ -101,15 +84,12 @@ def build_model(
     spec = build_spec(scene)
     if not visuals:
         _drop_visuals(spec)
+    if perturbation is None:
+        return spec.compile()
+    tilt_soles(spec, perturbation)
     model = spec.compile()
-    if perturbation is not None:
-        _perturb(model, perturbation)
+    perturb(model, perturbation)
     return model
-
-
-def robot_bodies(model: mujoco.MjModel) -> Array:
-    """Return (nbody,) booleans: which bodies are part of the robot."""
-    return np.asarray(model.body_rootid == model.body(talos.BASE_LINK).id)
 
 
 def ready_configuration(model: mujoco.MjModel) -> Array:
@@ -279,14 +259,3 @@ def _drop_visuals(spec: mujoco.MjSpec) -> None:
     for mesh in list(spec.meshes):
         if mesh.name not in used:
             spec.delete(mesh)
-
-
-def _perturb(model: mujoco.MjModel, perturbation: Perturbation) -> None:
-    """Change the compiled model; the description does not learn of it."""
-    model.actuator_gainprm[:, 0] *= perturbation.stiffness
-    model.actuator_biasprm[:, 1:3] *= perturbation.stiffness
-    robot = robot_bodies(model)
-    model.body_mass[robot] *= perturbation.mass
-    model.body_inertia[robot] *= perturbation.mass
-    model.geom_friction[robot[model.geom_bodyid]] *= perturbation.friction
-    mujoco.mj_setConst(model, mujoco.MjData(model))

@@ -28,8 +28,9 @@ from w2c.messages import (
 )
 from w2c_sim_robot.config import RobotConfig
 from w2c_sim_robot.description import make_description
-from w2c_sim_robot.model import Perturbation, build_model
+from w2c_sim_robot.model import build_model
 from w2c_sim_robot.pacing import Pacer
+from w2c_sim_robot.perturbation import Perturbation
 from w2c_sim_robot.physics import Simulator
 from w2c_sim_robot.sensing import Noise
 from w2c_sim_robot.urdf import joint_limits

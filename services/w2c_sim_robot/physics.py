@@ -28,7 +28,18 @@ class Simulator:
         *,
         noise: Noise | None = None,
         seed: int = 0,
+        left_hand_mass: float = 0.0,
     ) -> None:
+        """Stand ready.
+
+        Args:
+            model: the robot and its surroundings.
+            description: names the joints and the period.
+            noise: of the sensors; None = ideal ones.
+            seed: of the noise.
+            left_hand_mass: that the model holds in the left hand and the driver does not know of:
+                the wrist's sensor reads its weight [kg].
+        """
         self._model = model
         self._data = mujoco.MjData(model)
         self._noise = noise or Noise()
@@ -46,7 +57,11 @@ class Simulator:
             for side, frame in zip(("left", "right"), talos.SOLE_FRAMES, strict=True)
         )
         self._wrist = ForceTorqueSensor(
-            model, "left_wrist", talos.WRIST_SENSOR_LINK, talos.HAND_FRAMES[0]
+            model,
+            "left_wrist",
+            talos.WRIST_SENSOR_LINK,
+            talos.HAND_FRAMES[0],
+            unknown=left_hand_mass,
         )
         self._orientation = sensor_slice(model, "imu_orientation")
         self._angular_velocity = sensor_slice(model, "imu_angular_velocity")

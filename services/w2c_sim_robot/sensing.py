@@ -50,13 +50,25 @@ class Noise:
 class ForceTorqueSensor:
     """Between a link and its parent: what the environment exerts on all that hangs on the link."""
 
-    def __init__(self, model: mujoco.MjModel, name: str, link: str, frame: str) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, name: str, link: str, frame: str, *, unknown: float = 0.0
+    ) -> None:
+        """Find a sensor.
+
+        Args:
+            model: with the sensor's site, force and torque.
+            name: of these three.
+            link: whose weight is subtracted, with all that hangs on it.
+            frame: where the wrench is given.
+            unknown: mass at this frame that is not subtracted, because nobody knows of it [kg].
+        """
         self._force = sensor_slice(model, f"{name}_force")
         self._torque = sensor_slice(model, f"{name}_torque")
         self._link = model.body(link).id
         self._frame = model.body(frame).id
         self._site = model.site(name).id
         self._weight = model.body_subtreemass[self._link] * model.opt.gravity  # in the world [N]
+        self._unknown_weight = unknown * model.opt.gravity
 
     def read(self, data: mujoco.MjData) -> Array:
         """Return the wrench (6,), force then torque, in and at the frame [N, Nm].
@@ -73,6 +85,7 @@ class ForceTorqueSensor:
             weight_arm, self._weight
         )
         torque = torque_at_site + _cross(site - data.xpos[self._frame], force)
+        force += self._unknown_weight
         return np.concatenate([world_from_frame.T @ force, world_from_frame.T @ torque])
 
 

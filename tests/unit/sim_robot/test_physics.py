@@ -13,10 +13,10 @@ from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import (
     WORLD_CONAFFINITY,
     WORLD_CONTYPE,
-    Perturbation,
     build_model,
     build_spec,
 )
+from w2c_sim_robot.perturbation import Perturbation
 from w2c_sim_robot.physics import Simulator
 from w2c_sim_robot.scenes.scenario_a import scenario_a
 from w2c_sim_robot.sensing import Noise
