@@ -119,6 +119,18 @@ GOAL_EVENT = Topic(
     "event", "controller", "goal", m.GoalEvent, Priority.INTERACTIVE, 0.0,
     ("dialogue", "console", "operator", "evaluation"), drops=False,
 )  # fmt: skip
+SAFETY_EVENT = Topic(
+    "event", "controller", "safety", m.SafetyEvent, Priority.INTERACTIVE, 0.0,
+    ("dialogue", "console", "operator", "evaluation"), drops=False,
+)  # fmt: skip
+CONTROLLER_STATISTICS = Topic(
+    "state", "controller", "statistics", m.ControllerStatistics, Priority.DATA, 2.0,
+    ("console", "operator", "evaluation"),
+)  # fmt: skip
+CONTROLLER_SNAPSHOT = Topic(
+    "state", "controller", "snapshot", m.ControllerSnapshot, Priority.DATA_LOW, 1.0,
+    ("evaluation",),
+)  # fmt: skip
 TARGET = Topic(
     "state", "dialogue", "target", m.Target, Priority.INTERACTIVE, 0.0,
     ("console", "operator", "evaluation"), drops=False,
@@ -142,8 +154,8 @@ TRACE = Topic(
 TRUTH = Topic("truth", "robot", "physics", m.Truth, Priority.DATA, 100.0, ("camera", "evaluation"))
 
 TOPICS: tuple[Topic[Any], ...] = (
-    ROBOT_STATE, JOINT_COMMAND, CAMERA_FRAME, CAMERA_VIEW, CONTROLLER_STATUS, GOAL_EVENT, TARGET,
-    TURN,
+    ROBOT_STATE, JOINT_COMMAND, CAMERA_FRAME, CAMERA_VIEW, CONTROLLER_STATUS, GOAL_EVENT,
+    SAFETY_EVENT, CONTROLLER_STATISTICS, CONTROLLER_SNAPSHOT, TARGET, TURN,
     MARK, RECORDER_STATUS, PROCESS_TABLE, HEALTH, LOG, TRACE, TRUTH,
 )  # fmt: skip
 
@@ -167,6 +179,8 @@ LIFT = Method("perception", "lift", m.LiftRequest, m.LiftReply, OPERATORS)
 PLACE = Method("controller", "place", m.PlaceGoal, m.GoalReply, OPERATORS)
 RELEASE = Method("controller", "release", m.ReleaseGoal, m.GoalReply, OPERATORS)
 CONTROLLER_STOP = Method("controller", "stop", m.StopRequest, m.StopReply, ALL, timeout_s=2.0)
+CONTROLLER_RESUME = Method("controller", "resume", m.Empty, m.ResumeReply, OPERATORS, timeout_s=2.0)
+SNAPSHOT = Method("controller", "snapshot", m.Empty, m.ControllerSnapshot, OPERATORS)
 PREVIEW = Method("controller", "preview", m.PlaceGoal, m.PreviewReply, OPERATORS)
 COMPLETE = Method("llm", "complete", m.CompleteRequest, m.CompleteReply, ALL, timeout_s=60.0)
 CHOOSE = Method("llm", "choose", m.ChooseRequest, m.ChooseReply, ALL, timeout_s=60.0)
@@ -185,7 +199,7 @@ RECORD_MARK = Method("recorder", "mark", m.MarkRequest, m.RecorderStatus, OPERAT
 
 METHODS: tuple[Method[Any, Any], ...] = (
     DESCRIBE, ROBOT_STOP, ROBOT_RESUME, CAPTURE, PICTURE, LIFT, PLACE, RELEASE, CONTROLLER_STOP,
-    PREVIEW,
+    CONTROLLER_RESUME, SNAPSHOT, PREVIEW,
     COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, RECORD_START, RECORD_STOP, RECORD_STATUS,
     RECORD_MARK,
 )  # fmt: skip

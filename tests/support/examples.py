@@ -32,6 +32,9 @@ def all_examples() -> dict[str, m.Message]:
         m.JointInfo(name=f"joint_{i}", stiffness=5000.0, effort_limit=100.0) for i in range(JOINTS)
     ]
     vector = np.arange(3.0)
+    qp = m.QpStatistics(
+        solved=1, fallbacks=2, failures=3, iterations_mean=4.5, iterations_max=6, active_rows=7
+    )
     examples: list[m.Message] = [
         m.Empty(),
         m.ErrorReply(code="refused", message="no", retryable=True),
@@ -153,6 +156,53 @@ def all_examples() -> dict[str, m.Message]:
             tick_us={"p50": 2.0},
             message="",
         ),
+        m.SafetyEvent(
+            stamp_ns=1,
+            tick=2,
+            cause="torque_limit",
+            state="begins",
+            subject="arm_left_1_joint",
+            value=120.0,
+            limit=110.0,
+            unit="Nm",
+            answer="holds",
+            resumes="after resume",
+            text="too much",
+        ),
+        qp,
+        m.ControllerStatistics(
+            stamp_ns=1,
+            tick=2,
+            ticks=3,
+            missed_deadlines=4,
+            skipped_ticks=5,
+            old_states=6,
+            gaps_20ms=7,
+            bin_edges_us=np.array([50.0, 100.0]),
+            lateness_counts=np.array([1, 2, 3]),
+            duration_counts=np.array([4, 5, 6]),
+            lateness_max_us=8.0,
+            duration_max_us=9.0,
+            retargeting=qp,
+            force_control=qp,
+            collections=0,
+            allocated_blocks=10,
+            memory_locked=True,
+            real_time_priority=False,
+            real_time="SCHED_FIFO was not granted",
+        ),
+        m.ControllerSnapshot(
+            stamp_ns=1,
+            tick=2,
+            reason="switch",
+            robot_boot_id="r",
+            controller_boot_id="c",
+            phase="contact",
+            in_contact=(True, True, False, True),
+            command=np.array(vector),
+            state={"retargeting": {"q": np.array(vector), "failures": 1, "goal": None}},
+        ),
+        m.ResumeReply(holding=True, text="the knee is too hot"),
         m.StopRequest(reason="operator"),
         m.StopReply(mode="stopped", stamp_ns=1),
         chat[0],

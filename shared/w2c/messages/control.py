@@ -1,6 +1,6 @@
 """Messages to and from the controller."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 import numpy as np
@@ -145,3 +145,137 @@ class StopReply(Message, frozen=True, kw_only=True):
 
     mode: Name
     stamp_ns: Stamp
+
+
+SafetyCause = Literal[
+    "sensor_not_finite",
+    "sensor_frozen",
+    "state_stale",
+    "state_out_of_order",
+    "position_limit",
+    "velocity_limit",
+    "torque_limit",
+    "not_following",
+    "command_jump",
+    "command_not_finite",
+    "command_not_taken",
+    "qp_failed",
+    "hand_overload",
+    "contact_lost",
+    "contact_slips",
+    "contact_unexpected",
+    "stopped",
+    "no_snapshot",
+]
+
+
+class SafetyEvent(Message, frozen=True, kw_only=True):
+    """Something that must not be: what was found, what the controller does, what a person may do.
+
+    Published when it begins and when it ends.
+    """
+
+    stamp_ns: Stamp
+    tick: Stamp
+    cause: SafetyCause
+    state: Literal["begins", "ends"]
+    subject: Text = ""
+    """Which joint, sensor or end effector"""
+    value: float
+    """What was found, in `unit`"""
+    limit: float
+    unit: Text = ""
+    answer: Literal["pauses", "holds"]
+    """pauses: the command waits, goals stay. holds: goals are aborted and the robot stands still.
+    The motors stay on in both."""
+    resumes: Literal["by itself", "after resume"]
+    """by itself: the controller goes on once the cause is gone. after resume: an operator says."""
+    text: Text
+    """For the operator: what happened, and what to do"""
+
+
+class QpStatistics(Message, frozen=True, kw_only=True):
+    """How the quadratic programs of one kind fared since the controller started."""
+
+    solved: int
+    fallbacks: int
+    """Solved by the second solver, after the first failed"""
+    failures: int
+    iterations_mean: float
+    """Of the last report's period; -1 = the solver does not tell"""
+    iterations_max: int
+    active_rows: int
+    """Constraints that hold with equality in the newest solution; -1 = the solver does not tell"""
+
+
+class ControllerStatistics(Message, frozen=True, kw_only=True):
+    """How the loop keeps time and how its programs fare, since its start; published at 2 Hz."""
+
+    stamp_ns: Stamp
+    tick: Stamp
+    ticks: int
+    """States that were answered"""
+    missed_deadlines: int
+    """Periods at whose end no state had come"""
+    skipped_ticks: int
+    """States that a newer one replaced before they were read"""
+    old_states: int
+    """States that were on their way for longer than the limit"""
+    gaps_20ms: int
+    """Intervals between two answers of more than 20 ms"""
+    bin_edges_us: Array
+    """(b,) upper edges of the bins of both histograms [us]; one more bin is above the last"""
+    lateness_counts: Array
+    """(b + 1,) answers by how late they began, after their state was due"""
+    duration_counts: Array
+    """(b + 1,) answers by how long they took"""
+    lateness_max_us: float
+    duration_max_us: float
+    retargeting: QpStatistics
+    force_control: QpStatistics
+    collections: int
+    """Runs of the garbage collector since the loop began: none is expected"""
+    allocated_blocks: int
+    """Of memory that Python objects hold"""
+    memory_locked: bool
+    real_time_priority: bool
+    real_time: Text = ""
+    """For people: what was not granted, and what grants it"""
+
+    def __post_init__(self) -> None:
+        """Refuse histograms of the wrong shape."""
+        check_array("bin_edges_us", self.bin_edges_us, (None,))
+        bins = self.bin_edges_us.shape[0] + 1
+        for name in ("lateness_counts", "duration_counts"):
+            check_array(name, getattr(self, name), (bins,), dtype=np.int64)
+
+
+class ControllerSnapshot(Message, frozen=True, kw_only=True):
+    """All that the controller needs to go on from a tick, bit by bit."""
+
+    stamp_ns: Stamp
+    tick: Stamp
+    reason: Name
+    """periodic, switch, request or hold"""
+    robot_boot_id: Text
+    """Of the robot whose ticks these are"""
+    controller_boot_id: Text
+    phase: Phase
+    in_contact: tuple[bool, bool, bool, bool]
+    """left foot, right foot, left hand, right hand"""
+    command: Array
+    """(n,) the answer to this tick [rad]"""
+    state: dict[str, Any]
+    """Part -> what changes in it from tick to tick: numbers, words and arrays, nested"""
+
+    def __post_init__(self) -> None:
+        """Refuse NaN, infinity and wrong shapes: a robot goes on from this."""
+        check_array("command", self.command, (None,))
+
+
+class ResumeReply(Message, frozen=True, kw_only=True):
+    """What the controller does after it was told to go on."""
+
+    holding: bool
+    """True: it still holds, for the reason in `text`"""
+    text: Text = ""
