@@ -74,6 +74,8 @@ class ProcessRow(msgspec.Struct, frozen=True):
     restarts: int
     lost: int
     """Messages dropped or refused since it started"""
+    late: int
+    """How often its loop came late since it started; nothing was lost by it"""
     detail: str
 
 

@@ -165,6 +165,8 @@ def _process_row(
     now_ns: int,
 ) -> ProcessRow:
     phase, level, detail = _judge(report, launched, present, now_ns)
+    counters = {} if report is None else report.message.counters
+    late = sum(count for name, count in counters.items() if name.startswith("late"))
     fresh = report is not None and level not in ("bad", "absent")
     return ProcessRow(
         name=key[0],
@@ -175,7 +177,8 @@ def _process_row(
         cpu_percent=report.message.cpu_percent if report and fresh else None,
         memory_mb=report.message.memory_mb if report and fresh else None,
         restarts=0 if launched is None else launched.restarts,
-        lost=0 if report is None else sum(report.message.counters.values()),
+        lost=sum(counters.values()) - late,
+        late=late,
         detail=detail,
     )
 

@@ -22,7 +22,7 @@ const RESTING = new Set(["starting", "hold", "stopped"]);
  * }} Recorder
  * @typedef {{
  *   name: string, instance: string, phase: string, level: string, age_s: number | null,
- *   cpu_percent: number | null, memory_mb: number | null, restarts: number, lost: number, detail: string,
+ *   cpu_percent: number | null, memory_mb: number | null, restarts: number, lost: number, late: number, detail: string,
  * }} Process
  * @typedef {{target_id: string, state: string, instruction: string, corrections: number, warning: string}} Target
  * @typedef {{
@@ -106,6 +106,7 @@ function processRow(process) {
   const notes = [];
   if (process.restarts > 0) notes.push(`restarted ${process.restarts}×`);
   if (process.lost > 0) notes.push(`${process.lost} lost`);
+  if (process.late > 0) notes.push(`${process.late}× late`);
   if (notes.length > 0) phase.append(make("small", { class: "warning" }, notes.join(", ")));
   if (process.level === "bad" && process.detail !== "") phase.append(make("small", {}, process.detail));
   const memory = process.memory_mb === null ? "" : `, ${process.memory_mb.toFixed(0)} MB`;
