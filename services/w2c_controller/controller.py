@@ -89,7 +89,7 @@ class Controller:
         self._started = False
         self._stopped = False
         self._events: list[Event] = []
-        self._measured = Measured(feet=np.zeros(2), hands=np.zeros((2, 3)))
+        self._measured = Measured(feet=np.zeros((2, 6)), hands=np.zeros((2, 3)))
         self._command = self._initial.copy()
         self._blend = Blend(self._initial, self.parameters.motion.blend_time, self.dt)
         self._tick = 0
@@ -238,7 +238,9 @@ class Controller:
     # --- parts of a tick -------------------------------------------------------------------------
     def _sense(self, state: RobotState) -> None:
         if state.tick % SENSE_EVERY == 0:
-            self._measured = self._loads.update(state)
+            left, right = self.retargeting.state.enabled[:2]
+            feet = (0, 1) if left == right else (0, 0) if left else (1, 1)
+            self._measured = self._loads.update(state, feet)
 
     def _begin_requests(self) -> None:
         for request in self.requests.due(self._tick):
@@ -284,7 +286,7 @@ class Controller:
     def _normal_loads(self) -> Vector:
         """Return the measured normal forces (4,) [N]."""
         loads = np.zeros(4)
-        loads[:2] = self._measured.feet
+        loads[:2] = self._measured.feet[:, 2]
         if self._started:
             for k in HANDS:
                 loads[k] = self._switching.normal_load(k, self._measured)

@@ -116,8 +116,15 @@ def _describe(model: pin.Model, description: RobotDescription) -> ControlledMode
     )
 
 
+FeetOnGround = tuple[int, int]
+BOTH_FEET: FeetOnGround = (0, 1)
+
+
 def standing_configuration(
-    controlled: ControlledModel, joints: Vector, data: pin.Data | None = None
+    controlled: ControlledModel,
+    joints: Vector,
+    data: pin.Data | None = None,
+    feet: FeetOnGround = BOTH_FEET,
 ) -> Vector:
     """Return q (nq,) with the world midway between the soles.
 
@@ -125,13 +132,14 @@ def standing_configuration(
         controlled: The robot.
         joints: (nj,) in the model's order [rad].
         data: Pinocchio's, overwritten; None makes its own.
+        feet: The feet that stand; on one foot, the same one twice.
     """
     model = controlled.model
     data = model.createData() if data is None else data
     q = pin.neutral(model)
     q[7:] = joints
     pin.framesForwardKinematics(model, data, q)
-    left, right = (data.oMf[controlled.frames[k]].homogeneous.copy() for k in (0, 1))
+    left, right = (data.oMf[controlled.frames[k]].homogeneous.copy() for k in feet)
     world_from_base = inverse(base_from_midfeet(left, right))
     q[:3] = world_from_base[:3, 3]
     q[3:7] = quaternion_from_rotation(world_from_base[:3, :3])

@@ -47,9 +47,24 @@ def state(model: ControlledModel, joints: Array) -> RobotState:
 
 def test_loads_are_found_in_the_world(model: ControlledModel, state: RobotState) -> None:
     measured = LoadEstimator(model, 0.002).update(state)
-    np.testing.assert_allclose(measured.feet, [430.0, 450.0])
+    np.testing.assert_allclose(measured.feet[:, 2], [430.0, 450.0])
     np.testing.assert_allclose(measured.hands[0], [0.0, 0.0, 7.0], atol=1e-9)
     np.testing.assert_allclose(measured.hands[1], FORCE, atol=1e-2)
+    np.testing.assert_allclose(measured.force(0), [0.0, 0.0, 430.0])
+    np.testing.assert_allclose(measured.force(3), measured.hands[1])
+
+
+def test_end_effectors_are_found_relative_to_each_other(
+    model: ControlledModel, joints: Array, state: RobotState
+) -> None:
+    kinematics = Kinematics(model)
+    kinematics.update_frames(standing_configuration(model, joints))
+    expected = (kinematics.positions - kinematics.positions[0]) @ kinematics.rotations[0]
+    for feet in ((0, 1), (0, 0), (1, 1)):
+        measured = LoadEstimator(model, 0.002).update(state, feet)
+        found = (measured.positions - measured.positions[0]) @ measured.soles[0]
+        np.testing.assert_allclose(found, expected, atol=1e-9)
+    np.testing.assert_allclose(measured.soles[1], np.eye(3), atol=1e-9)
 
 
 def test_a_joint_that_reads_nan_makes_no_force(model: ControlledModel, state: RobotState) -> None:

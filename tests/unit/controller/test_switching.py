@@ -47,7 +47,7 @@ class World:
         for _ in range(round(seconds / DT)):
             was = self.retargeting.state.enabled[3]
             measured = Measured(
-                feet=np.full(2, 440.0),
+                feet=np.tile([0.0, 0.0, 440.0, 0.0, 0.0, 0.0], (2, 1)),
                 hands=np.stack([self.left_force, self._surface(self) * UP]),
             )
             new = self.switching.step(measured)
