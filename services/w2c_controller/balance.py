@@ -19,7 +19,7 @@ from w2c_controller.contacts import (
 from w2c_controller.desired import DesiredState
 from w2c_controller.model import ControlledModel, Kinematics
 from w2c_controller.parameters import FEET, Parameters
-from w2c_controller.solver import UNBOUNDED, Program, Solver
+from w2c_controller.solvers import UNBOUNDED, Program, Solver
 
 Vector = npt.NDArray[np.float64]
 

@@ -18,8 +18,14 @@ R = TypeVar("R")
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function of arrays and numbers; division by zero gives infinity, as in C."""
+    """Compile a function of arrays and numbers; division by zero gives infinity, as in C.
+
+    Sums may be reordered and fused, so that they use the vector unit; NaN and infinity stay
+    themselves.
+    """
     if numba is None:
         return function
-    result: Callable[P, R] = numba.njit(cache=True, error_model="numpy")(function)
+    result: Callable[P, R] = numba.njit(
+        cache=True, error_model="numpy", fastmath={"reassoc", "contract"}
+    )(function)
     return result

@@ -28,7 +28,7 @@ from w2c_controller.contacts import (
 from w2c_controller.desired import DesiredState
 from w2c_controller.model import ControlledModel, Kinematics
 from w2c_controller.parameters import FEET, HANDS, Parameters
-from w2c_controller.solver import Program
+from w2c_controller.solvers import Program
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]

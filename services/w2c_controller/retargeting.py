@@ -16,11 +16,13 @@ from w2c_controller.desired import DesiredState, with_contact
 from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
 from w2c_controller.parameters import FEET, Parameters
 from w2c_controller.program import ProgramBuilder
-from w2c_controller.solver import FallbackSolver, Solver
+from w2c_controller.solvers import FallbackSolver, Solver
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 
+LIGHTEST = 0.5
+"""Normal force of a contact that may be dropped, at most [N]."""
 FORCE_MIN_SLACK = 0.01
 """How far the growing minimum of a new contact stays below its force [N]."""
 
@@ -173,7 +175,8 @@ class Retargeting:
         state = self.state
         limits = self.parameters.limits
         for k in range(4):
-            threshold = self.dt * (limits.foot_force_rate if k in FEET else limits.hand_force_rate)
+            rate = limits.foot_force_rate if k in FEET else limits.hand_force_rate
+            threshold = min(self.dt * rate, LIGHTEST)
             if state.enabled[k] and state.releasing[k] and state.wrenches[k, 2] < threshold:
                 state.enabled = with_contact(state.enabled, k, False)
                 state.releasing[k] = False

@@ -11,7 +11,7 @@ from w2c_controller.model import ControlledModel
 from w2c_controller.parameters import Clamps, Limits, Parameters, Weights
 from w2c_controller.program import ProgramBuilder, clamp_norm
 from w2c_controller.retargeting import Retargeting
-from w2c_controller.solver import DaqpSolver, Program, UnsolvedError
+from w2c_controller.solvers import DaqpSolver, Program, UnsolvedError
 
 LEFT_HAND = 2
 RIGHT_HAND = 3

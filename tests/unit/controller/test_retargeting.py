@@ -8,7 +8,7 @@ from w2c.messages import Array
 from w2c_controller.model import ControlledModel
 from w2c_controller.parameters import Parameters
 from w2c_controller.retargeting import Retargeting
-from w2c_controller.solver import Program
+from w2c_controller.solvers import Program
 
 RIGHT_HAND = 3
 

@@ -13,7 +13,7 @@ from w2c_controller.desired import DesiredState
 from w2c_controller.model import ControlledModel, Kinematics
 from w2c_controller.parameters import Parameters, Weights
 from w2c_controller.program import ProgramBuilder
-from w2c_controller.solver import DaqpSolver, PiqpSolver, Program
+from w2c_controller.solvers import DaqpSolver, PiqpSolver, Program
 
 DT = 0.002
 PUBLISHED = Parameters(weights=Weights(hand_position=5e3, hand_rotation=(1e2, 1e2)))
