@@ -77,11 +77,17 @@ def build_model(
     *,
     visuals: bool = True,
 ) -> mujoco.MjModel:
-    """Return the compiled model. Raises ConfigError as `build_spec`.
+    """Return the compiled model. Raises ConfigError as `build_spec`."""
+    return compile_spec(build_spec(scene), perturbation, visuals=visuals)
+
+
+def compile_spec(
+    spec: mujoco.MjSpec, perturbation: Perturbation | None = None, *, visuals: bool = True
+) -> mujoco.MjModel:
+    """Return the compiled model of a spec, perturbed.
 
     Without visuals it is half as large and moves the same: what the driver needs.
     """
-    spec = build_spec(scene)
     if not visuals:
         _drop_visuals(spec)
     if perturbation is None:

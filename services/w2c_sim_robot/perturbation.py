@@ -51,9 +51,10 @@ def tilt_soles(spec: mujoco.MjSpec, perturbation: Perturbation) -> None:
         if pitch == 0.0:
             continue
         (box,) = (geom for geom in spec.body(frame).geoms if geom.contype)
-        pivot = np.array([half_length if pitch > 0 else -half_length, 0.0, 0.0])
-        x, y, z = np.array(box.pos) - pivot
-        box.pos = pivot + (cos(pitch) * x + sin(pitch) * z, y, cos(pitch) * z - sin(pitch) * x)
+        edge = half_length if pitch > 0 else -half_length
+        x, y, z = box.pos
+        x -= edge
+        box.pos = (edge + cos(pitch) * x + sin(pitch) * z, y, cos(pitch) * z - sin(pitch) * x)
         box.quat = (cos(pitch / 2), 0.0, sin(pitch / 2), 0.0)
 
 
