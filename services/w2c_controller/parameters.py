@@ -7,6 +7,9 @@ tables). `dataclasses.replace` makes variants; nothing here changes at run time.
 from dataclasses import dataclass, field
 from typing import Final
 
+from w2c_controller.contact_parameters import Push, Supervision
+from w2c_controller.force_parameters import ForceParameters
+
 LEFT_FOOT: Final = 0
 RIGHT_FOOT: Final = 1
 LEFT_HAND: Final = 2
@@ -119,6 +122,16 @@ class Motion:
     """On the last centimetres of a reach [m/s]."""
     touch_speed: float = 0.025
     """Along the normal, near the surface [m/s]."""
+    foot_speed: float = 0.1
+    """Of a foot in the air [m/s]."""
+    foot_lift: float = 0.05
+    """How high a released foot is held, and from where one comes down [m]."""
+    foot_touch_force: float = 30.0
+    """Measured normal force that is a touch of a foot [N]."""
+    foot_load_confirmed: float = 60.0
+    """Measured normal force without which a foot does not count as loaded [N]."""
+    same_contact: float = 0.02
+    """A goal this close to where its hand leans already is the same contact [m]."""
     overtravel: float = 0.03
     """How far below the expected surface it is searched before giving up [m]."""
     touch_force: float = 10.0
@@ -131,6 +144,7 @@ class Motion:
     reached_speed: float = 0.02
     bump_force: float = 10.0
     """Measured force that stops a reaching hand [N]."""
+    foot_bump_force: float = 40.0
     bump_retreat: float = 0.002
     """How far it then backs off along the normal [m]."""
     bump_distance: float = 0.03
@@ -142,11 +156,42 @@ class Motion:
     """Wall of robot time for one phase [s]."""
     load_timeout: float = 15.0
     unload_timeout: float = 30.0
+    ramp_stall_force: float = 1.0
+    """A ramp that changes less than this within `ramp_stall_time` does not go on [N]."""
+    ramp_stall_time: float = 4.0
+    """[s]"""
     retreat_height: float = 0.08
     blend_time: float = 2.0
     """From the command in force to the controller's own, after each start [s]."""
     ahead_time: float = 0.0
     """The command is the posture this far ahead [s]; the robot interpolates to it by itself."""
+
+
+@dataclass(frozen=True)
+class GuardLimits:
+    """What makes the robot hold, and after which time. Ours, not SEIKO's."""
+
+    position_margin: float = 0.05
+    """Beyond the limits of the URDF [rad]."""
+    position_time: float = 0.01
+    """[s]"""
+    velocity_time: float = 0.02
+    """Faster than the URDF allows [s]."""
+    torque_factor: float = 1.05
+    """Of the effort limit."""
+    torque_time: float = 0.02
+    following_error: float = 0.2
+    """Between command and measured angle [rad]; elasticity explains at most half of it."""
+    following_time: float = 0.1
+    frozen_time: float = 0.1
+    """Without a change of any reading while the command moves [s]; infinity = no check."""
+    refused_time: float = 0.2
+    """Without a command that the driver takes [s]."""
+    hand_force: float = 225.0
+    """Measured on one hand [N]; 1.5 times the largest that is ever wanted."""
+    hand_time: float = 0.1
+    failed_programs: int = 25
+    """In a row."""
 
 
 @dataclass(frozen=True)
@@ -158,3 +203,7 @@ class Parameters:
     clamps: Clamps = field(default_factory=Clamps)
     filters: Filters = field(default_factory=Filters)
     motion: Motion = field(default_factory=Motion)
+    push: Push = field(default_factory=Push)
+    supervision: Supervision = field(default_factory=Supervision)
+    guards: GuardLimits = field(default_factory=GuardLimits)
+    force_control: ForceParameters = field(default_factory=ForceParameters)
