@@ -1,11 +1,11 @@
-"""How each hand's target becomes the target of the QP: one filter a hand, reset in contact."""
+"""How the target of a free hand or foot becomes the target of the QP: one filter each."""
 
 import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.filters import HandFilter
 from w2c_controller.model import Kinematics
-from w2c_controller.parameters import HANDS
+from w2c_controller.parameters import FEET, HANDS
 from w2c_controller.retargeting import Retargeting
 
 Vector = npt.NDArray[np.float64]
@@ -13,7 +13,7 @@ Matrix = npt.NDArray[np.float64]
 
 
 class Hands:
-    """Targets and filters of both hands. A hand without a goal stays where its last one left it."""
+    """Targets and filters of hands and feet. A free one without a goal stays where it was left."""
 
     def __init__(self, retargeting: Retargeting, at_rest: Kinematics) -> None:
         """Start where the desired posture has the hands.
@@ -27,41 +27,53 @@ class Hands:
         kinematics = retargeting.kinematics
         self.rest = {k: at_rest.positions[k].copy() for k in HANDS}
         """(3,) where a released hand goes, in the world [m]"""
-        self.targets = {k: kinematics.positions[k].copy() for k in HANDS}
+        self.targets = {k: kinematics.positions[k].copy() for k in range(4)}
         self._rest_rotations = {k: at_rest.rotations[k].copy() for k in HANDS}
-        self.rotations = {k: rotation.copy() for k, rotation in self._rest_rotations.items()}
-        """(3, 3) world_from_hand wanted; matters where a hand has an orientation"""
+        self.rotations = {k: kinematics.rotations[k].copy() for k in FEET}
+        """(3, 3) world_from_effector wanted; matters where a hand has an orientation"""
+        self.rotations |= {k: rotation.copy() for k, rotation in self._rest_rotations.items()}
         self._filters = {
             k: HandFilter(filters, retargeting.dt, kinematics.positions[k], kinematics.rotations[k])
-            for k in HANDS
+            for k in range(4)
         }
+        self._fixed = [False] * 4
+        """Which were contacts in the last tick"""
 
-    def position(self, hand: int) -> Vector:
-        """Return where the desired posture has a hand (3,), a copy [m]."""
-        return np.array(self._retargeting.kinematics.positions[hand])
+    def position(self, effector: int) -> Vector:
+        """Return where the desired posture has an end effector (3,), a copy [m]."""
+        return np.array(self._retargeting.kinematics.positions[effector])
 
-    def speed(self, hand: int) -> float:
-        """Return how fast the desired posture moves a hand [m/s]."""
-        jacobian = self._retargeting.kinematics.jacobians[hand, :3]
-        return float(np.linalg.norm(jacobian @ self._retargeting.state.velocity))
+    def velocity(self, effector: int) -> Vector:
+        """Return how the desired posture moves an end effector (3,) [m/s]."""
+        jacobian = self._retargeting.kinematics.jacobians[effector, :3]
+        return np.asarray(jacobian @ self._retargeting.state.velocity)
+
+    def speed(self, effector: int) -> float:
+        """Return how fast the desired posture moves an end effector [m/s]."""
+        return float(np.linalg.norm(self.velocity(effector)))
 
     def relax(self, hand: int) -> None:
         """Let a hand turn back to its orientation at rest."""
         self.rotations[hand] = self._rest_rotations[hand]
 
-    def stop(self, hand: int) -> None:
-        """Let a hand stay where it is."""
-        self.targets[hand] = self.position(hand)
-        self._reset(hand)
+    def stop(self, effector: int) -> None:
+        """Let an end effector stay where it is; a foot also as it is turned."""
+        self.targets[effector] = self.position(effector)
+        if effector in FEET:
+            self.rotations[effector] = self._retargeting.kinematics.rotations[effector].copy()
+        self._reset(effector)
 
     def step(self) -> None:
         """Give the QP its targets of this tick."""
         state = self._retargeting.state
         kinematics = self._retargeting.kinematics
-        for k in HANDS:
+        for k in range(4):
             if state.enabled[k]:
-                self._reset(k)
+                self._fixed[k] = True
                 continue
+            if self._fixed[k]:
+                self._fixed[k] = False
+                self._reset(k)
             self._filters[k].step(
                 self.targets[k],
                 self.rotations[k],
@@ -71,6 +83,8 @@ class Hands:
             state.target_positions[k] = self._filters[k].position
             state.target_rotations[k] = self._filters[k].rotation
 
-    def _reset(self, hand: int) -> None:
+    def _reset(self, effector: int) -> None:
         kinematics = self._retargeting.kinematics
-        self._filters[hand].reset(kinematics.positions[hand], kinematics.rotations[hand])
+        self._filters[effector].reset(
+            kinematics.positions[effector], kinematics.rotations[effector]
+        )

@@ -1,0 +1,47 @@
+"""Numbers of push mode and of the supervision of contacts."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Push:
+    """How a commanded normal force is approached; values of SEIKO where it has one."""
+
+    lead: float = 5.0
+    """How far the target runs ahead of the desired force [N]: anti-windup."""
+    low_pass_hz: float = 2.0
+    rate: float = 10.0
+    """[N/s]"""
+    acceleration: float = 100.0
+    """[N/s^2]"""
+    desired_tolerance: float = 1.0
+    """Between command and desired force, to count as loaded [N]. Ours."""
+    tolerance: float = 5.0
+    """Between command and measured force, to count as loaded [N]. Ours."""
+    tolerance_share: float = 0.1
+    """Of the command; the larger of both counts. Ours."""
+
+
+@dataclass(frozen=True)
+class Supervision:
+    """When a contact counts as lost, slipping or overloaded. Ours: SEIKO does not look."""
+
+    lost_desired: tuple[float, float] = (50.0, 8.0)
+    """Foot, hand: a contact that shall carry more is missed [N]."""
+    lost_measured: tuple[float, float] = (10.0, 3.0)
+    """Foot, hand: a contact that carries less has no ground [N]."""
+    lost_time: float = 0.15
+    """[s]"""
+    slip_distance: float = 0.004
+    """Of motion against the feet within `slip_window` [m]. A ball that rolls as the arm turns
+    moves by up to 2 mm, an elastic foot by less than 1 mm."""
+    slip_window: float = 0.5
+    """Time constant after which a motion counts as place [s]."""
+    slip_again: float = 3.0
+    """A hand that slips again within this time is unloaded [s]."""
+    overload_force: float = 180.0
+    """Measured normal force on a hand [N]; 1.2 times the largest that is ever wanted."""
+    overload_time: float = 0.3
+    """[s]"""
+    bump_settle: float = 0.5
+    """Time constant with which the reading of a free effector becomes its zero [s]."""

@@ -1,0 +1,50 @@
+"""What the end effectors feel of their surroundings: the force beside what was read in the air."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c_controller.parameters import FEET
+from w2c_controller.sensing import Measured
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+class Feelers:
+    """A tare and a surface normal for each end effector; zero and up until something says else.
+
+    Forces of hands are in the world, forces of feet in their sole frames.
+    """
+
+    def __init__(self) -> None:
+        self.normals: Matrix = np.tile(UP, (4, 1))
+        """(4, 3) unit, out of the surface expected or leaned on"""
+        self.tares: Matrix = np.zeros((4, 3))
+        """(4, 3) what is read without contact [N]"""
+
+    def expect(self, effector: int, normal: Vector) -> None:
+        """Note the normal (3,) of the surface that an end effector goes to, in the world."""
+        self.normals[effector] = UP if effector in FEET else normal
+
+    def tare(self, effector: int, measured: Measured) -> None:
+        """Take what is measured now as zero."""
+        self.tares[effector] = measured.force(effector)
+
+    def follow(self, effector: int, measured: Measured, share: float) -> None:
+        """Move the tare by a share of what is left: weight that turns in the air is no contact."""
+        force = measured.force(effector)
+        if np.isfinite(force).all():
+            self.tares[effector] += share * (force - self.tares[effector])
+
+    def force(self, effector: int, measured: Measured) -> float:
+        """Return the size of the force [N]; NaN where the sensor says so."""
+        x, y, z = (measured.force(effector) - self.tares[effector]).tolist()
+        return math.sqrt(x * x + y * y + z * z)
+
+    def normal_force(self, effector: int, measured: Measured) -> float:
+        """Return the force out of the surface [N]; NaN where the sensor says so."""
+        return float(self.normals[effector] @ (measured.force(effector) - self.tares[effector]))
