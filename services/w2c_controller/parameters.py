@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from w2c_controller.contact_parameters import Push, Supervision
+from w2c_controller.force_parameters import ForceParameters
 
 LEFT_FOOT: Final = 0
 RIGHT_FOOT: Final = 1
@@ -167,6 +168,33 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class GuardLimits:
+    """What makes the robot hold, and after which time. Ours, not SEIKO's."""
+
+    position_margin: float = 0.05
+    """Beyond the limits of the URDF [rad]."""
+    position_time: float = 0.01
+    """[s]"""
+    velocity_time: float = 0.02
+    """Faster than the URDF allows [s]."""
+    torque_factor: float = 1.05
+    """Of the effort limit."""
+    torque_time: float = 0.02
+    following_error: float = 0.2
+    """Between command and measured angle [rad]; elasticity explains at most half of it."""
+    following_time: float = 0.1
+    frozen_time: float = 0.1
+    """Without a change of any reading while the command moves [s]; infinity = no check."""
+    refused_time: float = 0.2
+    """Without a command that the driver takes [s]."""
+    hand_force: float = 225.0
+    """Measured on one hand [N]; 1.5 times the largest that is ever wanted."""
+    hand_time: float = 0.1
+    failed_programs: int = 25
+    """In a row."""
+
+
+@dataclass(frozen=True)
 class Parameters:
     """All of them."""
 
@@ -177,3 +205,5 @@ class Parameters:
     motion: Motion = field(default_factory=Motion)
     push: Push = field(default_factory=Push)
     supervision: Supervision = field(default_factory=Supervision)
+    guards: GuardLimits = field(default_factory=GuardLimits)
+    force_control: ForceParameters = field(default_factory=ForceParameters)
