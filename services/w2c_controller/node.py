@@ -34,9 +34,10 @@ from w2c.messages import (
 )
 from w2c_controller.config import ControllerConfig
 from w2c_controller.controller import Controller
-from w2c_controller.events import Event, short_by
+from w2c_controller.events import Event
 from w2c_controller.parameters import EFFECTORS
-from w2c_controller.reach import LookAhead, preview_distance
+from w2c_controller.preview import preview
+from w2c_controller.search import StaticSearch
 from w2c_controller.timing import Timing
 
 STATUS_EVERY = 25
@@ -151,7 +152,7 @@ class ControllerNode:
     def _build(self, description: RobotDescription) -> None:
         self._description = description
         self.controller = Controller(description)
-        self._ahead = LookAhead(self.controller.model)
+        self._search = StaticSearch(self.controller.model)
         self._timing = Timing(description.period_ns)
         self._answer = None
 
@@ -219,17 +220,5 @@ class ControllerNode:
         return self._bus.call(topics.ROBOT_STOP, request).message
 
     def _preview(self, request: PlaceGoal, _: CallContext) -> PreviewReply:
-        """Run ahead on a copy; the loop goes on meanwhile."""
-        reached = self.controller.parameters.motion.reached_distance
-        state = self.controller.desired_copy(timeout_s=1.0)
-        try:
-            distance = preview_distance(self._ahead, state, request)
-        except ControlError as error:
-            return PreviewReply(reachable=False, distance=-1.0, reason=str(error))
-        if distance <= reached:
-            return PreviewReply(reachable=True, distance=distance)
-        return PreviewReply(
-            reachable=False,
-            distance=distance,
-            reason=short_by(distance),
-        )
+        """Search on a copy of the desired state; the loop goes on meanwhile."""
+        return preview(self._search, self.controller.desired_copy(timeout_s=1.0), request)
