@@ -8,11 +8,7 @@ from w2c.messages import PlaceGoal, PreviewReply
 from w2c_controller.desired import DesiredState
 from w2c_controller.goals import Goal, check_place
 from w2c_controller.grasp import approach_direction, pointing_rotation
-from w2c_controller.limits import binding_limits
 from w2c_controller.search import StaticSearch
-
-TOLD = 3
-"""More limits than these confuse."""
 
 
 def preview(search: StaticSearch, state: DesiredState, message: PlaceGoal) -> PreviewReply:
@@ -61,23 +57,21 @@ def _preview_load(search: StaticSearch, goal: Goal, distance: float) -> PreviewR
         reachable=False,
         distance=distance,
         reason=f"the {_name(goal)} gets there, but would bear {max(force, 0.0):.0f} N where "
-        f"{least:.0f} N are needed{_because(search, goal)}. Choose a point nearer to the body",
+        f"{least:.0f} N are needed{_because(search)}. Choose a point nearer to the body",
     )
 
 
 def _short(search: StaticSearch, goal: Goal, stands: bool) -> str:
     """Return the words for a point that is out of reach."""
     gap = goal.target - search.position(goal.effector)
-    cause = _because(search, goal) if stands else ": no posture was found that stands there"
+    cause = _because(search) if stands else ": no posture was found that stands there"
     return f"the {_name(goal)} ends {100 * np.linalg.norm(gap):.1f} cm short of the point{cause}"
 
 
-def _because(search: StaticSearch, goal: Goal) -> str:
+def _because(search: StaticSearch) -> str:
     """Return the limits at work, as the end of a sentence."""
-    found = binding_limits(
-        search.controlled, search.kinematics, search.state, search.parameters.limits, goal.effector
-    )
-    return f": held back by {', '.join(found[:TOLD])}" if found else ""
+    found = search.limits_reached()
+    return f": {'; '.join(found)}" if found else ""
 
 
 def _distance(search: StaticSearch, goal: Goal) -> float:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from w2c_controller.blocking import limits_reached
 from w2c_controller.desired import DesiredState
 from w2c_controller.model import ControlledModel, Kinematics
 from w2c_controller.parameters import Parameters
@@ -154,6 +155,10 @@ class StaticSearch:
         ]
         residual = float(np.abs(kinematics.static[:6]).max())
         return residual < RESIDUAL_FORCE and max(moved, default=0.0) < DRIFT
+
+    def limits_reached(self) -> list[str]:
+        """Return the limits that the state found is at, in words."""
+        return limits_reached(self._current)
 
     def _hand_over(self, retargeting: Retargeting) -> None:
         """Go on with another stage from the same state."""

@@ -125,7 +125,7 @@ def test_balance_is_named_where_it_ends_a_reach(
     assert not reply.reachable
     assert reply.distance > 0.05
     assert "cm short" in reply.reason
-    assert "balance" in reply.reason
+    assert "the end of balance" in reply.reason
 
 
 def test_a_support_opens_what_was_out_of_reach(
