@@ -1,73 +1,46 @@
 """The controller of one robot, pure of bus and clocks: one state in, one command out.
 
-    command = desired posture + tau / K
+    command = desired posture + offset
 
-tau is the torque of the static equilibrium with all contact forces: a position-controlled joint of
-stiffness K bears it when it is wound up by tau / K. Without it a hand touches, and carries nothing.
+The offset winds up the springs of position-controlled joints so that the contacts carry what the
+desired state wants them to (`ForceControl`). Without it a hand touches, and carries nothing.
 """
-
-from collections import deque
-from dataclasses import dataclass
-from queue import Empty, SimpleQueue
 
 import numpy as np
 import numpy.typing as npt
 
-from w2c.errors import GoalRefusedError
-from w2c.geometry import frame_from_normal
 from w2c.messages import JointCommand, RobotDescription, RobotState
 from w2c.messages.control import Phase
 from w2c_controller.desired import DesiredState
 from w2c_controller.events import Event, EventState
 from w2c_controller.filters import Blend
+from w2c_controller.force_control import ForceControl
 from w2c_controller.gaze import Gaze, find_neck
+from w2c_controller.guards import SENSE_EVERY, Guards, joint_limits
+from w2c_controller.handout import Handout
 from w2c_controller.hands import Hands
 from w2c_controller.model import Kinematics, build_model, standing_configuration
 from w2c_controller.parameters import HANDS, Parameters
 from w2c_controller.requests import Request, Requests, Situation
 from w2c_controller.retargeting import Retargeting
+from w2c_controller.safety import Hazard, Holds, SafetyReport
 from w2c_controller.sensing import LoadEstimator, Measured
+from w2c_controller.summary import Snapshot, summarize
 from w2c_controller.switching import Switching
+from w2c_controller.takeover import find_supports, starting_posture, unknown_contacts
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 
-FRESH_POSTURE = 0.05
-"""A robot within this of its initial posture starts from it exactly [rad]."""
-LEANING_FORCE = 15.0
-"""A hand that measures more at the start leans: it is a support from the first tick on [N]."""
 FOREIGN_COMMAND = 0.03
 """A command in force that differs more from ours is not ours: go on from it [rad]."""
-SENSE_EVERY = 4
-"""Ticks between two looks at the loads: 125 Hz, well above the 10 Hz of their filter."""
 STOPPED = "stopped by the operator"
 AWAY = 0.05
 """A hand farther from its rest can be released [m]."""
 
 
-@dataclass(frozen=True)
-class Snapshot:
-    """What the controller does, for the status message; arrays over end effectors, in the world."""
-
-    tick: int
-    phase: Phase
-    goal_id: str
-    end_effector: str
-    task: str
-    distance: float
-    in_contact: tuple[bool, bool, bool, bool]
-    desired_forces: Matrix
-    """(4, 3) [N]"""
-    positions: Matrix
-    """(4, 3) [m]"""
-    loads: Vector
-    """(4,) [N]"""
-    solver_failures: int
-    message: str
-
-
 class Controller:
-    """Retargeting, switching and elastic compensation around one robot's state."""
+    """Retargeting, force control and switching around one robot's state."""
 
     def __init__(self, description: RobotDescription, parameters: Parameters | None = None) -> None:
         self.parameters = parameters or Parameters()
@@ -75,6 +48,7 @@ class Controller:
         self.model = build_model(description)
         self.dt = description.period_ns * 1e-9
         self.retargeting = Retargeting(self.model, self.parameters, self.dt)
+        self.force_control = ForceControl(self.model, self.parameters, self.dt)
         self.requests = Requests(self.model.hand_radius)
         self._initial = np.array(description.initial_position)
         self._at_rest = Kinematics(self.model)
@@ -85,18 +59,26 @@ class Controller:
         self._gaze: Gaze | None = None
         self._hands: Hands
         self._switching: Switching
-        self._loads: LoadEstimator
+        self._loads = LoadEstimator(self.model, SENSE_EVERY * self.dt)
+        self._guards = Guards(
+            description, joint_limits(description), self.parameters.guards, self.dt
+        )
+        self._holds = Holds(self.dt)
         self._started = False
-        self._stopped = False
         self._events: list[Event] = []
-        self._measured = Measured(feet=np.zeros((2, 6)), hands=np.zeros((2, 3)))
+        self._measured = Measured(
+            feet=np.zeros((2, 6)), hands=np.zeros((2, 3)), torque=np.zeros(self.model.nj)
+        )
         self._command = self._initial.copy()
         self._blend = Blend(self._initial, self.parameters.motion.blend_time, self.dt)
         self._tick = 0
-        self._message = ""
+        self._solved = True
+        self._aborted = False
         self._frozen = False
+        self._resume_asked = False
+        self._adopts_contacts = False
         self._stop_reason = STOPPED
-        self._copies: deque[SimpleQueue[DesiredState]] = deque()
+        self._handout = Handout()
 
     @property
     def switching(self) -> Switching:
@@ -110,53 +92,44 @@ class Controller:
             ControlError: at the first tick, where the robot's posture cannot stand.
         """
         self._tick = state.tick
+        self._guard_state(state)
+        self._obey_stop(state)
         if not self._started:
-            self._start(state)
-        if state.mode == "stopped" or self._frozen:
-            return self._hold_stopped(state)
-        if self._stopped:
-            self._stopped = False
-            self._stop_reason = STOPPED
-            self._rejoin(state)
-        elif np.max(np.abs(state.command - self._command)) > FOREIGN_COMMAND:
-            self._rejoin(state)
+            self._take_over(state)
+        if self._holds:
+            return self._hold(state)
+        self._go_on(state)
         self._begin_requests()
         self._sense(state)
-        self._events.extend(self._switching.step(self._measured))
-        self._hands.step()
-        scale = self._blend.advance()
-        solved = self.retargeting.tick(scale)
-        self._message = "" if solved else "no solution of the balance problem: the robot holds"
-        command = self._blend.mix(self._own_command())
-        if np.isfinite(command).all():
-            self._command = command
+        self._switch()
+        self._solve()
+        self._command_joints()
         self._publish_situation()
-        if self._copies:
-            self._copies.popleft().put(self.retargeting.state.copy())
-        return JointCommand(tick=state.tick, position=self._command.copy())
+        self._handout.serve(self.retargeting.state)
+        return self._answer()
 
+    # --- asked for from other threads ------------------------------------------------------------
     def freeze(self, reason: str) -> None:
-        """Hold from the next tick on, until the driver was stopped and resumed. From any thread."""
+        """Hold from the next tick on, until an operator says resume. From any thread."""
         self._stop_reason = f"stopped: {reason}" if reason else STOPPED
         self._frozen = True
 
-    def desired_copy(self, timeout_s: float) -> DesiredState:
-        """Return a copy of the desired state, made by the loop for another thread.
+    def resume(self) -> None:
+        """End holds that wait for an operator at the next tick. From any thread."""
+        self._resume_asked = True
 
-        Raises:
-            GoalRefusedError: no tick came.
-        """
-        slot: SimpleQueue[DesiredState] = SimpleQueue()
-        self._copies.append(slot)
-        try:
-            return slot.get(timeout=timeout_s)
-        except Empty as error:
-            raise GoalRefusedError(
-                f"the robot did not move on within {timeout_s} s (stopped, or no state): no preview"
-            ) from error
+    def desired_copy(self, timeout_s: float) -> DesiredState:
+        """Return a copy of the desired state. Raises GoalRefusedError when no tick comes."""
+        return self._handout.ask(timeout_s)
+
+    def take_safety_reports(self) -> list[SafetyReport]:
+        """Return which hazards began and ended since the last call."""
+        return self._holds.take_reports()
 
     def take_events(self) -> list[Event]:
         """Return what happened to goals since the last call."""
+        if not self._events:
+            return []
         events, self._events = self._events, []
         return events
 
@@ -170,39 +143,26 @@ class Controller:
 
     def snapshot(self) -> Snapshot:
         """Return what the controller does now."""
-        retargeting = self.retargeting
-        state, rotations = retargeting.state, retargeting.kinematics.rotations
-        goal = self._switching.goal if self._started else None
-        return Snapshot(
-            tick=self._tick,
-            phase=self._phase(),
-            goal_id=goal.goal_id if goal else "",
-            end_effector=goal.end_effector if goal else "",
-            task=goal.task if goal else "",
-            distance=self._switching.distance() if goal else -1.0,
-            in_contact=state.enabled,
-            desired_forces=np.stack([state.world_force(k, rotations) for k in range(4)]),
-            positions=retargeting.kinematics.positions.copy(),
-            loads=self._normal_loads(),
-            solver_failures=retargeting.failures,
-            message=self._message,
+        switching = self._switching if self._started else None
+        return summarize(
+            self._tick, self._phase(), self._message(), self.retargeting, switching, self._measured
         )
 
-    # --- start, stop and go on -------------------------------------------------------------------
-    def _start(self, state: RobotState) -> None:
-        """Take over a robot that stands, or that leans already."""
-        self._loads = LoadEstimator(self.model, SENSE_EVERY * self.dt)
+    # --- start, hold and go on -------------------------------------------------------------------
+    def _take_over(self, state: RobotState) -> None:
+        """Begin with a robot that stands, or that leans already; or hold until it may begin."""
+        if self._holds:
+            return
         measured = self._loads.update(state)
-        joints = state.position[self.model.joint_indices]
+        supports = find_supports(measured)
+        if supports and not self._adopts_contacts:
+            self._holds.found(unknown_contacts(supports, measured), self._tick)
+            return
         initial = self._initial[self.model.joint_indices]
-        supports = {}
-        for k in HANDS:
-            force = measured.hands[k - HANDS[0]]
-            if float(np.linalg.norm(force)) > LEANING_FORCE:
-                supports[k] = frame_from_normal(force)
-        fresh = not supports and float(np.max(np.abs(joints - initial))) < FRESH_POSTURE
-        self.retargeting.reset(initial if fresh else joints, supports)
+        joints = starting_posture(state.position[self.model.joint_indices], initial, supports)
+        self.retargeting.reset(joints, supports)
         self.retargeting.state.posture = initial.copy()
+        self.force_control.reset(self.retargeting)
         self._hands = Hands(self.retargeting, self._at_rest)
         self._switching = Switching(self.retargeting, self._hands)
         self._measured = measured
@@ -211,36 +171,99 @@ class Controller:
         self._rejoin(state)
         self._started = True
 
-    def _rejoin(self, state: RobotState) -> None:
-        """Go on from the command in force, whoever gave it."""
-        self._command = state.command.copy()
-        self._blend = Blend(self._command, self.parameters.motion.blend_time, self.dt)
+    def _guard_state(self, state: RobotState) -> None:
+        """Look for what forbids to use this state, or to move on."""
+        self._holds.advance(self._tick)
+        for hazard in self._guards.inspect(state, first=not self._started):
+            self._holds.found(hazard, self._tick)
 
-    def _hold_stopped(self, state: RobotState) -> JointCommand:
-        """Freeze: the driver holds its command; answer with it."""
-        reason = self._stop_reason
-        if not self._stopped:
-            self._stopped = True
-            self._switching.abort(reason)
-            for request in self.requests.clear():
-                self._events.append(_event(request, "aborted", reason))
-            self._events.extend(self._switching.step(self._measured))
-            self._command = state.command.copy()
+    def _obey_stop(self, state: RobotState) -> None:
+        """Hold while the driver is stopped or a stop was asked for; an operator ends holds."""
         if state.mode == "stopped":
             # From here on the driver's own mode says when to go on.
+            self._frozen = self._resume_asked = False
+            self._holds.found(Hazard("stopped", self._stop_reason), self._tick)
+            return
+        if self._resume_asked:
             self._frozen = False
-            self._command = state.command.copy()
-        self._sense(state)
-        self._message = f"{reason}; resume to go on"
+        if self._frozen:
+            self._holds.found(Hazard("stopped", self._stop_reason), self._tick)
+        elif self._resume_asked or self._holds.active("stopped"):
+            self._adopts_contacts = self._holds.active("no_snapshot")
+            self._stop_reason = STOPPED
+            self._holds.resume(self._tick)
+        self._resume_asked = False
+
+    def _hold(self, state: RobotState) -> JointCommand:
+        """Keep the command in force; goals wait, or are aborted where this is more than a pause."""
+        if not self._aborted and self._holds.must_hold(self._tick):
+            self._aborted = True
+            self._abort_goals(self._holds.text())
+            self._keep(state)
+        if state.mode == "stopped" or not self._started or self._holds.active("command_not_taken"):
+            self._keep(state)
+        if not self._holds.active("sensor_not_finite"):
+            self._sense(state)
         self._publish_situation()
-        return JointCommand(tick=state.tick, position=self._command.copy())
+        return self._answer()
+
+    def _go_on(self, state: RobotState) -> None:
+        """Begin again from the command in force, after a hold or where it is not ours."""
+        foreign = np.abs(state.command - self._command).max() > FOREIGN_COMMAND
+        if self._aborted or foreign:
+            self._aborted = False
+            self._rejoin(state)
+
+    def _rejoin(self, state: RobotState) -> None:
+        self._keep(state)
+        self._blend = Blend(self._command, self.parameters.motion.blend_time, self.dt)
+
+    def _keep(self, state: RobotState) -> None:
+        """Take the command in force, whoever gave it, for one's own."""
+        if np.isfinite(state.command).all():
+            self._command = state.command.copy()
+
+    def _abort_goals(self, reason: str) -> None:
+        for request in self.requests.clear():
+            self._events.append(_event(request, "aborted", reason))
+        if self._started:
+            self._switching.abort(reason)
+            self._events.extend(self._switching.step(self._measured))
 
     # --- parts of a tick -------------------------------------------------------------------------
     def _sense(self, state: RobotState) -> None:
-        if state.tick % SENSE_EVERY == 0:
-            left, right = self.retargeting.state.enabled[:2]
-            feet = (0, 1) if left == right else (0, 0) if left else (1, 1)
-            self._measured = self._loads.update(state, feet)
+        if state.tick % SENSE_EVERY:
+            return
+        left, right = self.retargeting.state.enabled[:2]
+        feet = (0, 1) if left == right else (0, 0) if left else (1, 1)
+        self._measured = self._loads.update(state, feet)
+        overload = self._guards.inspect_loads(self._measured, SENSE_EVERY * self.dt)
+        if overload is not None:
+            self._holds.found(overload, self._tick)
+
+    def _switch(self) -> None:
+        self._events.extend(self._switching.step(self._measured))
+        self._hands.step()
+
+    def _solve(self) -> None:
+        """Move the desired state, and the offset that lets the robot follow it under load."""
+        solved = self.retargeting.tick(self._blend.advance())
+        self._solved = self.force_control.tick(self.retargeting, self._measured) and solved
+        hazard = self._guards.inspect_solution(self._solved)
+        if hazard is not None:
+            self._holds.found(hazard, self._tick)
+
+    def _command_joints(self) -> None:
+        """Send what the robot can follow; otherwise the last command, and hold from here on."""
+        command = self._blend.mix(self._own_command())
+        hazard = self._guards.inspect_command(command, self._command)
+        if hazard is None:
+            self._command = command
+        else:
+            self._holds.found(hazard, self._tick)
+
+    def _answer(self) -> JointCommand:
+        return JointCommand(tick=self._tick, position=self._command.copy())
 
     def _begin_requests(self) -> None:
         for request in self.requests.due(self._tick):
@@ -256,17 +279,19 @@ class Controller:
             self._publish_situation()
 
     def _own_command(self) -> Vector:
-        """Return the desired posture wound up by its torques (n,), in the bus's order [rad]."""
+        """Return the desired posture with its offset (n,), in the bus's order [rad]."""
         state, model = self.retargeting.state, self.model
         joints = state.q[7:] + self.parameters.motion.ahead_time * state.velocity[6:]
         command = self._initial.copy()
-        command[model.joint_indices] = joints + state.torque / model.stiffness
+        command[model.joint_indices] = joints + self.force_control.offset
         if self._gaze is not None:
             leaning = any(state.enabled[k] for k in HANDS)
             self._gaze.move_head(command, self.retargeting.kinematics, leaning=leaning)
         return command
 
     def _publish_situation(self) -> None:
+        if not self._started:
+            return
         switching, state = self._switching, self.retargeting.state
         away = [
             state.enabled[k]
@@ -276,25 +301,23 @@ class Controller:
         self.requests.situation = Situation(
             tick=self._tick,
             ready=True,
-            stopped=self._stopped,
+            stopped=self._holds.active("stopped"),
+            holding=self._holds.text(),
             busy_id=switching.busy_with(),
             busy_effector=switching.busy_effector(),
             away=(away[0], away[1]),
             enabled=state.enabled,
         )
 
-    def _normal_loads(self) -> Vector:
-        """Return the measured normal forces (4,) [N]."""
-        loads = np.zeros(4)
-        loads[:2] = self._measured.feet[:, 2]
-        if self._started:
-            for k in HANDS:
-                loads[k] = self._switching.normal_load(k, self._measured)
-        return loads
+    def _message(self) -> str:
+        """Return for the operator why the robot holds; "" = it does not."""
+        if self._holds:
+            return self._holds.text()
+        return "" if self._solved else "no solution of the balance problem: the robot holds"
 
     def _phase(self) -> Phase:
-        if self._stopped:
-            return "stopped"
+        if self._holds:
+            return "stopped" if self._holds.active("stopped") else "held"
         if not self._started or (not self._blend.done and self._switching.phase == "hold"):
             return "starting"
         return self._switching.phase

@@ -26,6 +26,8 @@ class Situation:
     ready: bool = False
     stopped: bool = False
     stale: bool = False
+    holding: str = ""
+    """Why the robot holds; "" = it does not"""
     busy_id: str = ""
     busy_effector: int = -1
     away: tuple[bool, bool] = (False, False)
@@ -101,6 +103,8 @@ class Requests:
             raise GoalRefusedError("the robot's state is stale: nothing moves until it comes again")
         if now.stopped:
             raise GoalRefusedError("the robot is stopped; resume it first (w2c resume)")
+        if now.holding:
+            raise GoalRefusedError(f"the robot holds: {now.holding}")
         if 0 <= effective_tick <= now.tick:
             raise GoalRefusedError(f"tick {effective_tick} has passed, the robot is at {now.tick}")
         if effective_tick > now.tick + FARTHEST_TICK:

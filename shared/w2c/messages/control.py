@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 
 from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
+from w2c.messages.terrain import HeightField
 
 EndEffector = Literal["left_foot", "right_foot", "left_hand", "right_hand"]
 Task = Literal["contact", "reach"]
@@ -19,6 +20,7 @@ Phase = Literal[
     "reach",
     "unload",
     "retreat",
+    "held",
     "stopped",
 ]
 
@@ -48,6 +50,8 @@ class PlaceGoal(Message, frozen=True, kw_only=True):
     """(3,) of the surface, out of it, in the world"""
     effective_tick: int = -1
     """The tick at which the goal takes effect; -1 = as soon as it arrives."""
+    obstacles: HeightField | None = None
+    """What the way must clear, as last seen; None: nothing is known of it"""
 
     def __post_init__(self) -> None:
         """Refuse NaN, a normal that has no direction, and points no robot could mean."""
