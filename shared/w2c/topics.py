@@ -176,6 +176,9 @@ PICTURE = Method(
     "camera", "picture", m.PictureRequest, m.Picture, ("evaluation", "operator"), 20.0, 20_000_000
 )
 LIFT = Method("perception", "lift", m.LiftRequest, m.LiftReply, OPERATORS)
+HEIGHT_FIELD = Method(
+    "perception", "heights", m.HeightFieldRequest, m.HeightField, OPERATORS, timeout_s=2.0
+)
 PLACE = Method("controller", "place", m.PlaceGoal, m.GoalReply, OPERATORS)
 RELEASE = Method("controller", "release", m.ReleaseGoal, m.GoalReply, OPERATORS)
 CONTROLLER_STOP = Method("controller", "stop", m.StopRequest, m.StopReply, ALL, timeout_s=2.0)
@@ -198,7 +201,8 @@ RECORD_STATUS = Method("recorder", "status", m.Empty, m.RecorderStatus, OPERATOR
 RECORD_MARK = Method("recorder", "mark", m.MarkRequest, m.RecorderStatus, OPERATORS)
 
 METHODS: tuple[Method[Any, Any], ...] = (
-    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, CAPTURE, PICTURE, LIFT, PLACE, RELEASE, CONTROLLER_STOP,
+    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, CAPTURE, PICTURE, LIFT, HEIGHT_FIELD, PLACE, RELEASE,
+    CONTROLLER_STOP,
     CONTROLLER_RESUME, SNAPSHOT, PREVIEW,
     COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, RECORD_START, RECORD_STOP, RECORD_STATUS,
     RECORD_MARK,

@@ -32,6 +32,12 @@ def all_examples() -> dict[str, m.Message]:
         m.JointInfo(name=f"joint_{i}", stiffness=5000.0, effort_limit=100.0) for i in range(JOINTS)
     ]
     vector = np.arange(3.0)
+    field = m.HeightField(
+        stamp_ns=5,
+        origin=(0.1, -1.0),
+        cell=0.02,
+        heights=np.array([[0.75, np.nan, 0.8]], np.float32),
+    )
     qp = m.QpStatistics(
         solved=1, fallbacks=2, failures=3, iterations_mean=4.5, iterations_max=6, active_rows=7
     )
@@ -126,7 +132,10 @@ def all_examples() -> dict[str, m.Message]:
             point=vector,
             normal=np.array([0.0, 0.0, 1.0]),
             effective_tick=7,
+            obstacles=field,
         ),
+        m.HeightFieldRequest(frame_stamp_ns=5),
+        field,
         m.ReleaseGoal(goal_id="g", end_effector="left_hand", effective_tick=-1),
         m.GoalReply(goal_id="g", start_tick=3),
         m.PreviewReply(reachable=False, distance=0.1, reason="too far"),

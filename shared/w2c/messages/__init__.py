@@ -67,6 +67,7 @@ from w2c.messages.robot import (
     RobotState,
     Truth,
 )
+from w2c.messages.terrain import HeightField, HeightFieldRequest
 from w2c.messages.view import (
     CameraView,
     LiftReply,
@@ -97,6 +98,8 @@ __all__ = [
     "GroundingReply",
     "GroundingRequest",
     "Health",
+    "HeightField",
+    "HeightFieldRequest",
     "JointCommand",
     "JointInfo",
     "LiftReply",

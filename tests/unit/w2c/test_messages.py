@@ -96,3 +96,17 @@ def test_a_state_with_nan_arrives_because_the_receiver_must_judge_it() -> None:
     broken = m.RobotState(**{**fields, "position": np.array([np.nan, 0.0, 0.0])})
     again = decode_message(encode_message(broken), m.RobotState)
     assert np.isnan(again.position[0])
+
+
+@pytest.mark.parametrize(
+    ("heights", "complaint"),
+    [
+        (np.zeros((2, 2)), "float32"),
+        (np.zeros((1000, 1000), np.float32), "1000000 cells"),
+        (np.full((2, 2), 750.0, np.float32), "beyond 10 m"),
+        (np.full((2, 2), np.inf, np.float32), "beyond 10 m"),
+    ],
+)
+def test_a_height_field_that_no_room_has_is_refused(heights: m.Array, complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        m.HeightField(stamp_ns=1, origin=(0.0, 0.0), cell=0.02, heights=heights)
