@@ -1,0 +1,200 @@
+"""Each guard finds what it is there for, with value and limit, and nothing else."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from w2c.messages import Array, RobotDescription, RobotState
+from w2c_controller.guards import SENSE_EVERY, Guards, joint_limits
+from w2c_controller.parameters import GuardLimits
+from w2c_controller.safety import Hazard
+from w2c_controller.sensing import Measured
+
+DT = 0.002
+LIMITS = GuardLimits()
+
+
+class Bench:
+    """Guards that look at one state after another."""
+
+    def __init__(self, description: RobotDescription) -> None:
+        self.joints = joint_limits(description)
+        self.guards = Guards(description, self.joints, LIMITS, DT)
+        self.names = [joint.name for joint in description.joints]
+        self.noise = np.random.default_rng(0)
+        n = len(self.names)
+        self.state = RobotState(
+            stamp_ns=0,
+            tick=0,
+            position=np.array(description.initial_position),
+            velocity=np.zeros(n),
+            torque=np.zeros(n),
+            sole_wrenches=np.zeros((2, 6)),
+            left_wrist_wrench=np.zeros(6),
+            imu_orientation=np.array([0.0, 0.0, 0.0, 1.0]),
+            imu_angular_velocity=np.zeros(3),
+            imu_linear_acceleration=np.zeros(3),
+            command=np.array(description.initial_position),
+            command_tick=0,
+            mode="tracking",
+        )
+
+    def look(self, ticks: int = 1, **changes: object) -> list[Hazard]:
+        """Return all that is found while these readings stay, with a little noise on torques."""
+        found: list[Hazard] = []
+        for _ in range(ticks):
+            fields = {"torque": self.state.torque + 1e-9 * self.noise.random()} | changes
+            self.state = msgspec.structs.replace(self.state, tick=self.state.tick + 1, **fields)
+            found += self.guards.inspect(self.state)
+        return found
+
+    def ticks(self, seconds: float) -> int:
+        return round(seconds / DT)
+
+    def with_value(self, array: Array, joint: int, value: float) -> Array:
+        changed = array.copy()
+        changed[joint] = value
+        return changed
+
+
+@pytest.fixture
+def bench(description: RobotDescription) -> Bench:
+    return Bench(description)
+
+
+def test_a_robot_that_stands_is_nothing_to_report(bench: Bench) -> None:
+    assert bench.look(1000) == []
+
+
+@pytest.mark.parametrize(
+    ("field", "at", "subject"),
+    [
+        ("position", 3, "position of"),
+        ("velocity", 0, "velocity of"),
+        ("torque", 26, "torque of"),
+        ("sole_wrenches", (1, 2), "right foot sensor"),
+        ("left_wrist_wrench", 5, "left wrist sensor"),
+    ],
+)
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_reading_that_is_no_number_is_named(
+    bench: Bench, field: str, at: object, subject: str, value: float
+) -> None:
+    readings = getattr(bench.state, field).copy()
+    readings[at] = value
+    found = bench.look(SENSE_EVERY, **{field: readings})
+    assert {hazard.cause for hazard in found} == {"sensor_not_finite"}
+    assert found[0].subject.startswith(subject)
+
+
+@pytest.mark.parametrize(
+    ("cause", "field", "time", "over"),
+    [
+        ("position_limit", "position", LIMITS.position_time, 0.01),
+        ("velocity_limit", "velocity", LIMITS.velocity_time, 0.1),
+        ("torque_limit", "torque", LIMITS.torque_time, 1.0),
+    ],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_limit_is_exceeded_only_after_a_while(
+    bench: Bench, cause: str, field: str, time: float, over: float, sign: float
+) -> None:
+    joints, joint = bench.joints, 5
+    limit = {
+        "position": (joints.upper if sign > 0 else joints.lower)[joint]
+        + sign * LIMITS.position_margin,
+        "velocity": sign * joints.velocity[joint],
+        "torque": sign * LIMITS.torque_factor * joints.effort[joint],
+    }[field]
+    rest = getattr(bench.state, field)
+    within = bench.with_value(rest, joint, limit - sign * over)
+    beyond = bench.with_value(rest, joint, limit + sign * over)
+    command = within if field == "position" else bench.state.command
+    assert bench.look(200, **{field: within, "command": command}) == []
+    assert bench.look(SENSE_EVERY, **{field: beyond}) == [] or time <= SENSE_EVERY * DT * 1.5
+    bench.look(200, **{field: within})
+    found = bench.look(bench.ticks(time) + 2 * SENSE_EVERY, **{field: beyond})
+    assert {hazard.cause for hazard in found} == {cause}
+    assert found[0].subject == bench.names[joint]
+    assert found[0].limit == pytest.approx(limit)
+    assert found[0].value == pytest.approx(limit + sign * over)
+
+
+def test_a_joint_that_does_not_follow_its_command_is_named(bench: Bench) -> None:
+    command = bench.with_value(bench.state.command, 4, bench.state.command[4] + 0.21)
+    assert bench.look(bench.ticks(LIMITS.following_time) // 2, command=command) == []
+    found = bench.look(bench.ticks(LIMITS.following_time), command=command)
+    assert {hazard.cause for hazard in found} == {"not_following"}
+    assert found[0].subject == bench.names[4]
+
+
+def test_readings_that_stay_the_same_bit_by_bit_while_the_command_moves_are_frozen(
+    bench: Bench,
+) -> None:
+    torque = bench.state.torque.copy()
+    assert bench.look(500, torque=torque) == [], "standing still is no fault"
+    moved = bench.with_value(bench.state.command, 0, bench.state.command[0] + 0.002)
+    found = bench.look(bench.ticks(LIMITS.frozen_time), torque=torque, command=moved)
+    assert {hazard.cause for hazard in found} == {"sensor_frozen"}
+    assert bench.look(100, command=moved) == [], "one reading that changes is enough"
+
+
+def test_a_short_standstill_of_the_readings_is_no_fault(bench: Bench) -> None:
+    torque = bench.state.torque.copy()
+    moved = bench.with_value(bench.state.command, 0, bench.state.command[0] + 0.002)
+    assert bench.look(bench.ticks(LIMITS.frozen_time) // 2, torque=torque, command=moved) == []
+
+
+def test_a_driver_that_takes_no_command_is_noticed(bench: Bench) -> None:
+    assert bench.look(bench.ticks(LIMITS.refused_time) // 2, mode="holding") == []
+    found = bench.look(bench.ticks(LIMITS.refused_time), mode="holding")
+    assert {hazard.cause for hazard in found} == {"command_not_taken"}
+    assert bench.look(10, mode="tracking") == []
+
+
+def test_a_command_may_not_jump(bench: Bench) -> None:
+    guards, joints, before = bench.guards, bench.joints, bench.state.command
+    largest = (joints.upper - joints.lower)[2] * DT / 0.75
+    assert (
+        guards.inspect_command(bench.with_value(before, 2, before[2] + 0.99 * largest), before)
+        is None
+    )
+    hazard = guards.inspect_command(bench.with_value(before, 2, before[2] - 1.01 * largest), before)
+    assert hazard is not None
+    assert hazard.cause == "command_jump"
+    assert hazard.subject == bench.names[2]
+    assert hazard.limit == pytest.approx(largest)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_command_must_be_finite(bench: Bench, value: float) -> None:
+    before = bench.state.command
+    hazard = bench.guards.inspect_command(bench.with_value(before, 7, value), before)
+    assert hazard is not None
+    assert hazard.cause == "command_not_finite"
+
+
+def test_a_hand_may_bear_much_for_a_moment_only(bench: Bench) -> None:
+    measured = Measured(
+        feet=np.zeros((2, 6)), hands=np.array([[0.0, 0.0, 0.0], [0.0, 180.0, 180.0]])
+    )
+    light = Measured(feet=np.zeros((2, 6)), hands=np.zeros((2, 3)))
+    guards, step = bench.guards, LIMITS.hand_time / 2
+    assert guards.inspect_loads(measured, step) is None
+    assert guards.inspect_loads(light, step) is None
+    assert guards.inspect_loads(measured, step) is None
+    hazard = guards.inspect_loads(measured, step)
+    assert hazard is not None
+    assert hazard.cause == "hand_overload"
+    assert hazard.subject == "right_hand"
+
+
+def test_many_programs_in_a_row_without_solution_are_a_fault(bench: Bench) -> None:
+    for _ in range(LIMITS.failed_programs - 1):
+        assert bench.guards.inspect_solution(solved=False) is None
+    assert bench.guards.inspect_solution(solved=True) is None
+    for _ in range(LIMITS.failed_programs - 1):
+        assert bench.guards.inspect_solution(solved=False) is None
+    hazard = bench.guards.inspect_solution(solved=False)
+    assert hazard is not None
+    assert hazard.cause == "qp_failed"
