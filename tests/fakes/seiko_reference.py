@@ -12,6 +12,11 @@ from w2c_controller.model import ControlledModel
 
 ROOT = Path(__file__).resolve().parents[2]
 
+LEGS, TORSO = 12 * [5000.0], 2 * [10000.0]
+LEFT_ARM = [10000.0, 10000.0, 5000.0, 10000.0, 3000.0, 3000.0, 3000.0]
+RIGHT_ARM = LEFT_ARM[:4]
+"""Joint stiffness that the reference uses [Nm/rad]"""
+
 
 def reference_file(name: str) -> Path:
     """Return the path of a reference file; skips the test where there is none."""
@@ -53,7 +58,7 @@ def reference_model() -> ControlledModel:
         model=model,
         frames=(frames[0], frames[1], frames[2], frames[3]),
         hand_radius=(0.0, 0.05),
-        stiffness=np.full(25, 5000.0),
+        stiffness=np.array(LEGS + TORSO + LEFT_ARM + RIGHT_ARM),
         effort=tables["effort_limit"],
         lower=tables["position_lower"],
         upper=tables["position_upper"],
