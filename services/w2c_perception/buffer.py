@@ -17,13 +17,17 @@ MAX_GAP_NS = 100_000_000
 
 
 class View:
-    """One picture with its depth, and where the camera was."""
+    """One picture with its depth, and where the camera and the arms were."""
 
-    def __init__(self, frame: CameraFrame, world_from_camera: Matrix, pose_error: float) -> None:
+    def __init__(
+        self, frame: CameraFrame, world_from_camera: Matrix, arms: Array, pose_error: float
+    ) -> None:
         self.stamp_ns = frame.stamp_ns
         self.width, self.height = frame.width, frame.height
         self.intrinsics = Intrinsics(*frame.intrinsics)
         self.world_from_camera = world_from_camera
+        self.arms = arms
+        """(n, 2, 3) the bones of the robot's arms then, in the world [m]"""
         self.pose_error = pose_error
         """How far off the camera may be, from the time between the joint angles [m]"""
         self.depth_unit = frame.depth_unit

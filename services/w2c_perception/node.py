@@ -11,14 +11,18 @@ from w2c.messages import (
     CameraFrame,
     CameraView,
     Empty,
+    HeightField,
+    HeightFieldRequest,
     LiftReply,
     LiftRequest,
     RobotState,
 )
 from w2c_perception.buffer import StateBuffer, View, ViewBuffer
 from w2c_perception.config import PerceptionConfig
+from w2c_perception.heights import Area, height_field
 from w2c_perception.kinematics import CameraKinematics
 from w2c_perception.lift import lift
+from w2c_perception.plane import Depth
 
 log = logging.getLogger("w2c.perception")
 
@@ -50,6 +54,7 @@ class PerceptionNode:
         self._newest_state = self._bus.latest(topics.ROBOT_STATE)
         self._frames = self._bus.queue(topics.CAMERA_FRAME, size=FRAME_QUEUE)
         self._bus.serve(topics.LIFT, self._lift, workers=2)
+        self._bus.serve(topics.HEIGHT_FIELD, self._heights)
 
     def run(self, stop: threading.Event) -> None:
         """Remember until `stop`."""
@@ -119,12 +124,13 @@ class PerceptionNode:
             with self._lock:
                 joints = self._states.at(frame.stamp_ns)
             world_from_camera = self._kinematics.world_from_camera(joints.position)
+            arms = self._kinematics.arms_in_world(joints.position)
         except (RefusedError, GeometryError) as error:
             self._bus.count("picture without joint angles")
             log.warning("picture dropped: %s", error, extra={"stamp_ns": frame.stamp_ns})
             return
         with self._lock:
-            self._views.add(View(frame, world_from_camera, CAMERA_REACH * joints.uncertainty))
+            self._views.add(View(frame, world_from_camera, arms, CAMERA_REACH * joints.uncertainty))
         view = CameraView(
             stamp_ns=frame.stamp_ns,
             world_from_camera=world_from_camera,
@@ -136,14 +142,7 @@ class PerceptionNode:
 
     def _lift(self, request: LiftRequest, _context: CallContext) -> LiftReply:
         """Answer what is behind a pixel."""
-        with self._lock:
-            view = self._views.get(request.frame_stamp_ns)
-        try:
-            depth = view.unpack_depth()
-        except MessageError as error:
-            raise RefusedError(
-                f"the picture of {view.stamp_ns} ns has no usable depth: {error}"
-            ) from error
+        view, depth = self._look(request.frame_stamp_ns)
         surface = lift(
             depth,
             view.intrinsics,
@@ -164,3 +163,26 @@ class PerceptionNode:
             frame_stamp_ns=view.stamp_ns,
             warning=surface.warning,
         )
+
+    def _heights(self, request: HeightFieldRequest, _context: CallContext) -> HeightField:
+        """Answer how high things stand in a picture."""
+        view, depth = self._look(request.frame_stamp_ns)
+        area = Area()
+        heights = height_field(depth, view.intrinsics, view.world_from_camera, view.arms, area)
+        return HeightField(
+            stamp_ns=view.stamp_ns,
+            origin=(area.x[0], area.y[0]),
+            cell=area.cell,
+            heights=heights,
+        )
+
+    def _look(self, stamp_ns: int) -> tuple[View, Depth]:
+        """Return a remembered view with its depth (h, w) [m]. Raises RefusedError."""
+        with self._lock:
+            view = self._views.get(stamp_ns)
+        try:
+            return view, view.unpack_depth()
+        except MessageError as error:
+            raise RefusedError(
+                f"the picture of {view.stamp_ns} ns has no usable depth: {error}"
+            ) from error

@@ -21,7 +21,7 @@ def view(stamp_ns: int, depth: bytes = b"") -> View:
         jpeg=b"",
         depth=depth,
     )
-    return View(frame, np.eye(4), 0.0)
+    return View(frame, np.eye(4), np.zeros((0, 2, 3)), 0.0)
 
 
 def test_views_are_found_by_their_stamp() -> None:

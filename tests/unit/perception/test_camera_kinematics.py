@@ -12,6 +12,7 @@ from w2c_perception.kinematics import CameraKinematics
 from w2c_sim_robot import talos
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import HEAD_CAMERA, build_model
+from w2c_sim_robot.physics import Simulator
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +75,15 @@ def test_a_description_that_does_not_fit_its_urdf_is_refused(
 
     with pytest.raises(GeometryError, match=complaint):
         CameraKinematics(broken)
+
+
+def test_the_bones_of_the_arms_end_where_the_hands_are(description: RobotDescription) -> None:
+    truth = Simulator(build_model(None, visuals=False), description).truth()
+
+    bones = CameraKinematics(description).arms_in_world(talos.ready_position())
+
+    assert bones.shape == (11, 2, 3)  # seven joints of the left arm, four of the right
+    assert bones[6, 1] == pytest.approx(truth.end_effector_positions[2], abs=1e-3)
+    assert bones[10, 1] == pytest.approx(truth.end_effector_positions[3], abs=1e-3)
+    assert bones[0, 0][2] > 1.2
+    np.testing.assert_allclose(bones[1:7, 0], bones[:6, 1])

@@ -13,7 +13,7 @@ from w2c.bus.inprocess import InProcessBus, InProcessHub
 from w2c.clock import RealClock
 from w2c.depth import encode_depth
 from w2c.errors import RefusedError
-from w2c.messages import Array, CameraFrame, LiftRequest, RobotState
+from w2c.messages import Array, CameraFrame, HeightFieldRequest, LiftRequest, RobotState
 from w2c_perception.config import PerceptionConfig
 from w2c_perception.kinematics import CameraKinematics
 from w2c_perception.node import PerceptionNode
@@ -135,6 +135,23 @@ def test_each_picture_is_told_where_it_was_taken_and_from_what(rig: Rig) -> None
     assert [made_of.key.split("/")[-2:] for made_of in received.envelope.inputs] == [
         ["camera", "rgbd"]
     ]
+
+
+def test_heights_are_those_of_the_picture_without_the_arms(rig: Rig) -> None:
+    rig.see(1000, frame(1000 * TICK_NS))
+
+    request = HeightFieldRequest(frame_stamp_ns=1000 * TICK_NS)
+    field = rig.operator.call(topics.HEIGHT_FIELD, request).message
+
+    assert field.stamp_ns == 1000 * TICK_NS
+    world_from_camera = CameraKinematics(DESCRIPTION).world_from_camera(READY)
+    x, y, height = (world_from_camera @ [0, 0, 1, 1])[:3]
+    row = int((x - field.origin[0]) / field.cell)
+    column = int((y - field.origin[1]) / field.cell)
+    assert field.heights[row, column] == pytest.approx(height, abs=0.02)
+    assert np.isnan(field.heights).any()
+    with pytest.raises(RefusedError, match="newest"):
+        rig.operator.call(topics.HEIGHT_FIELD, HeightFieldRequest(frame_stamp_ns=9 * 10**9))
 
 
 def test_a_stamp_that_is_not_remembered_is_refused_with_what_is(rig: Rig) -> None:
