@@ -25,11 +25,6 @@ def limits_reached(retargeting: Retargeting) -> list[str]:
     return (found + _torques(retargeting) + _angles(retargeting))[:MOST]
 
 
-def because(retargeting: Retargeting, otherwise: str) -> str:
-    """Return the limits reached as the end of a sentence."""
-    return "; ".join(limits_reached(retargeting)) or otherwise
-
-
 def spoken(effector: int) -> str:
     """Return the name of an end effector as people say it."""
     return EFFECTORS[effector].replace("_", " ")

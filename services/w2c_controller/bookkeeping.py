@@ -1,11 +1,12 @@
 """Which goal is under way, in which phase, and what was told of it."""
 
+from w2c_controller.blocking import spoken
 from w2c_controller.events import Event, EventLog, EventState, GoalPhase
 from w2c_controller.goals import Goal
-from w2c_controller.parameters import EFFECTORS, HANDS
+from w2c_controller.parameters import HANDS
 
 BUSY = ("approach", "touch", "load", "unload", "retreat")
-"""Phases in which no other hand may begin a goal."""
+"""Phases in which no other end effector may begin a goal."""
 
 
 class Bookkeeping:
@@ -20,10 +21,12 @@ class Bookkeeping:
         self._log = EventLog()
 
     def busy_with(self) -> str:
-        """Return the id of the goal that must end before another hand may get one; "" = none."""
+        """Return the id of the goal that must end before another one may begin; "" = none."""
         if self.phase not in BUSY:
             return ""
-        return self.goal.goal_id if self.goal else self.releasing_id or "the retreat of a hand"
+        if self.goal is not None:
+            return self.goal.goal_id
+        return self.releasing_id or f"the retreat of the {spoken(self._effector)}"
 
     def busy_effector(self) -> int:
         """Return the end effector of the goal under way."""
@@ -38,6 +41,9 @@ class Bookkeeping:
         if self._unfinished() and (self.goal is not None or self.releasing_id):
             self._emit("aborted", f"replaced by goal '{goal_id}'")
 
+    def _forget_goal(self) -> None:
+        self.goal, self.releasing_id = None, ""
+
     def _emit_new(self, state: EventState, reason: str = "", distance: float = -1.0) -> None:
         if not self._log.told(state):
             self._emit(state, reason, distance)
@@ -49,5 +55,5 @@ class Bookkeeping:
 
     def _require_goal(self) -> Goal:
         if self.goal is None:
-            raise RuntimeError(f"phase {self.phase} of the {EFFECTORS[self._effector]} has no goal")
+            raise RuntimeError(f"phase {self.phase} of the {spoken(self._effector)} has no goal")
         return self.goal

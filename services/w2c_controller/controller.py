@@ -164,7 +164,7 @@ class Controller:
         self.retargeting.state.posture = initial.copy()
         self.force_control.reset(self.retargeting)
         self._hands = Hands(self.retargeting, self._at_rest)
-        self._switching = Switching(self.retargeting, self._hands)
+        self._switching = Switching(self.retargeting, self._hands, SENSE_EVERY * self.dt)
         self._measured = measured
         if self._neck is not None:
             self._gaze = Gaze(self._neck, state.command[self._neck.bus_indices], self.dt)

@@ -27,6 +27,10 @@ class DesiredState:
     enabled: Enabled = STANDING
     releasing: list[bool] = field(default_factory=lambda: [False] * 4)
     """Contacts that are being unloaded"""
+    pushing: list[bool] = field(default_factory=lambda: [False] * 4)
+    """Contacts whose normal force tracks `push_force`, and whose other components go to zero"""
+    push_force: Vector = field(default_factory=lambda: np.zeros(4))
+    """(4,) normal force wanted of each contact that pushes [N]"""
     wrenches: Matrix = field(default_factory=lambda: np.zeros((4, 6)))
     """(4, 6) feet: force, torque in the sole frame; hands: force in the contact frame, then
     zeros"""
@@ -50,6 +54,8 @@ class DesiredState:
             posture=self.posture.copy(),
             enabled=self.enabled,
             releasing=list(self.releasing),
+            pushing=list(self.pushing),
+            push_force=self.push_force.copy(),
             wrenches=self.wrenches.copy(),
             force_min=self.force_min.copy(),
             contact_rotations=self.contact_rotations.copy(),

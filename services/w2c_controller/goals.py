@@ -36,7 +36,9 @@ class Goal:
     normal: Vector
     """(3,) unit"""
     target: Vector
-    """(3,) where the hand's frame is when the hand touches the point [m]"""
+    """(3,) where the frame of the end effector is when it touches the point [m]"""
+    force: float = 0.0
+    """Normal force to push with [N]; 0: its share, as balance finds best"""
 
     @property
     def effector(self) -> int:

@@ -45,6 +45,11 @@ def retreat(start: Vector, away: Vector, rest: Vector, motion: Motion) -> Path:
     return Path((straight(start, lift, motion.speed), curved(lift, rest, UP, motion.speed)))
 
 
+def lift(start: Vector, away: Vector, motion: Motion) -> Path:
+    """Return the path of a foot off the ground: it stays in the air."""
+    return Path((straight(start, start + motion.retreat_height * away, motion.speed),))
+
+
 def at(point: Vector) -> Path:
     """Return a path that stays where it is."""
     return Path((straight(point, point, 1.0),))

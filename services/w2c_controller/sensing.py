@@ -131,28 +131,3 @@ def _low_pass(alpha: float, value: Vector, filtered: Vector) -> None:
             filtered[i] = alpha * filtered[i] + (1.0 - alpha) * value[i]
         else:
             filtered[i] = value[i]
-
-
-class Feeler:
-    """What a hand feels since it was free: the force without what it read in the air."""
-
-    def __init__(self, normal: Vector | None = None) -> None:
-        """Start without a tare.
-
-        Args:
-            normal: (3,) unit, of the surface expected, in the world; None: up.
-        """
-        self.normal = np.array([0.0, 0.0, 1.0]) if normal is None else normal
-        self._tare = np.zeros(3)
-
-    def tare(self, force: Vector) -> None:
-        """Take a force (3,) measured in the air as zero."""
-        self._tare = force.copy()
-
-    def force(self, measured: Vector) -> float:
-        """Return the size of the force [N]; NaN where the sensor says so."""
-        return float(np.linalg.norm(measured - self._tare))
-
-    def normal_force(self, measured: Vector) -> float:
-        """Return the force out of the surface [N]."""
-        return float(self.normal @ (measured - self._tare))

@@ -8,55 +8,67 @@ counts is motion within about that time.
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from w2c.messages.control import SafetyCause
 from w2c_controller.compiled import compiled
 from w2c_controller.contact_parameters import Supervision
 from w2c_controller.desired import DesiredState
 from w2c_controller.feelers import Feelers
-from w2c_controller.parameters import EFFECTORS
+from w2c_controller.parameters import EFFECTORS, FEET
+from w2c_controller.safety import Hazard
 from w2c_controller.sensing import Measured
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
-Trouble = Literal["lost", "slips", "overloaded"]
-TROUBLES: Final[tuple[Trouble, ...]] = ("lost", "slips", "overloaded")
 LOST: Final = 0
 SLIPS: Final = 1
 OVERLOADED: Final = 2
+CAUSES: Final[tuple[SafetyCause, ...]] = ("contact_lost", "contact_slips", "hand_overload")
 NOTHING: Final = -1
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A contact that does not hold."""
+    """A contact that does not hold, or one that should not be."""
 
-    trouble: Trouble
+    cause: SafetyCause
     effector: int
     value: float
-    """Measured normal force [N], or motion against the feet [m]"""
+    """Measured force [N], or motion against the feet [m]"""
     limit: float
-    desired: float
+    desired: float = 0.0
     """Desired normal force [N]"""
 
     def text(self) -> str:
         """Return it in words."""
         name = EFFECTORS[self.effector].replace("_", " ")
-        if self.trouble == "lost":
+        if self.cause == "contact_lost":
             return (
                 f"the {name} lost its support: measured {self.value:.0f} N, "
                 f"desired {self.desired:.0f} N"
             )
-        if self.trouble == "slips":
+        if self.cause == "contact_slips":
             return f"the {name} slips: {self.value * 1e3:.1f} mm, limit {self.limit * 1e3:.1f} mm"
-        return f"the {name} is overloaded: measured {self.value:.0f} N, limit {self.limit:.0f} N"
+        what = "is overloaded" if self.cause == "hand_overload" else "touched something on its way"
+        return f"the {name} {what}: measured {self.value:.0f} N, limit {self.limit:.0f} N"
+
+    def hazard(self) -> Hazard:
+        """Return it as it is reported."""
+        return Hazard(
+            cause=self.cause,
+            text=self.text(),
+            subject=EFFECTORS[self.effector],
+            value=self.value,
+            limit=self.limit,
+            unit="m" if self.cause == "contact_slips" else "N",
+        )
 
 
 class ContactWatch:
@@ -89,34 +101,27 @@ class ContactWatch:
         """(2, 4) how long a contact has been without ground, and overloaded [s]"""
         self._places = np.full((4, 3), np.nan)
         """(4, 3) where each was, against the feet [m]; NaN: to be taken anew"""
+        self._told: Flags = np.zeros((3, 4), dtype=np.bool_)
+        """(3, 4) what was found and is still so"""
         self._measured = np.zeros(4)
         """(4,) of the last step: normal forces [N]"""
         self._motion = np.zeros(4)
         """(4,) of the last step [m]"""
 
-    def watch(self, effectors: Iterable[int]) -> None:
-        """Watch exactly these contacts from now on; what is watched already goes on."""
-        wanted = set(effectors)
-        feet_before = tuple(self.watched[:2])
-        for k in range(4):
-            if k in wanted and self.watched[k]:
-                continue
-            self.watched[k] = k in wanted
-            self._timers[:, k] = 0.0
-            self._places[k] = np.nan
-        if tuple(self.watched[:2]) != feet_before:
+    def set(self, effector: int, watched: bool) -> None:
+        """Begin or end to watch a contact; it is watched as it was where that is no change."""
+        if self.watched[effector] == watched:
+            return
+        self.watched[effector] = watched
+        self._timers[:, effector] = 0.0
+        self._told[:, effector] = False
+        self._places[effector] = np.nan
+        if effector in FEET:
+            # Places are means over the soles that stand.
             self._places[:] = np.nan
 
-    def forget_motion(self) -> None:
-        """Take the places of all contacts anew."""
-        self._places[:] = np.nan
-
     def step(self, state: DesiredState, feelers: Feelers, measured: Measured) -> Finding | None:
-        """Look at one measurement; returns the first contact that does not hold.
-
-        A contact that was found is found again as long as it does not hold: forget it, or its
-        motion.
-        """
+        """Look at one measurement; returns the first contact that began not to hold, if any."""
         code = _weigh(
             self.watched,
             state.wrenches,
@@ -128,6 +133,7 @@ class ContactWatch:
             self._missing,
             self._numbers,
             self._timers,
+            self._told,
             self._measured,
         )
         slipping = _follow(
@@ -136,17 +142,18 @@ class ContactWatch:
             measured.soles,
             self._numbers,
             self._places,
+            self._told,
             self._measured,
             self._motion,
         )
         code = slipping if code == NOTHING else code
         if code == NOTHING:
             return None
-        trouble, effector = divmod(code, 4)
+        trouble, effector = divmod(int(code), 4)
         limits = (self._missing[effector], self._limits.slip_distance, self._limits.overload_force)
         value = self._motion[effector] if trouble == SLIPS else self._measured[effector]
         return Finding(
-            trouble=TROUBLES[trouble],
+            cause=CAUSES[trouble],
             effector=effector,
             value=float(value),
             limit=float(limits[trouble]),
@@ -166,6 +173,7 @@ def _weigh(
     missing: Vector,
     numbers: Vector,
     timers: Matrix,
+    told: Flags,
     measured: Vector,
 ) -> int:
     """Update measured normal forces and timers; returns 4 trouble + effector, or -1."""
@@ -182,10 +190,12 @@ def _weigh(
         no_ground = wrenches[k, 2] > wanted[k] and force < missing[k]
         timers[0, k] = timers[0, k] + dt if no_ground else 0.0
         timers[1, k] = timers[1, k] + dt if k >= 2 and force > overload_force else 0.0
-        if found == NOTHING and timers[0, k] > lost_time:
+        lost, overloaded = timers[0, k] > lost_time, timers[1, k] > overload_time
+        if lost and not told[LOST, k]:
             found = 4 * LOST + k
-        if found == NOTHING and timers[1, k] > overload_time:
+        elif overloaded and not told[OVERLOADED, k]:
             found = 4 * OVERLOADED + k
+        told[LOST, k], told[OVERLOADED, k] = lost, overloaded
     return found
 
 
@@ -196,6 +206,7 @@ def _follow(
     soles: Matrix,
     numbers: Vector,
     places: Matrix,
+    told: Flags,
     measured: Vector,
     motion: Vector,
 ) -> int:
@@ -224,8 +235,11 @@ def _follow(
             square += (place - places[k, i]) ** 2
             places[k, i] += share * (place - places[k, i])
         motion[k] = math.sqrt(square)
-        if found == NOTHING and motion[k] > slip_distance:
+        if motion[k] > slip_distance and not told[SLIPS, k]:
+            told[SLIPS, k] = True
             slipping = 0 if k == 1 and measured[0] < measured[1] else k
             motion[slipping] = motion[k]
             found = 4 * SLIPS + slipping
+        elif motion[k] < 0.5 * slip_distance:
+            told[SLIPS, k] = False
     return found

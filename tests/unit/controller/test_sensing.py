@@ -7,7 +7,7 @@ import pytest
 
 from w2c.messages import Array, RobotState
 from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.sensing import Feeler, LoadEstimator
+from w2c_controller.sensing import LoadEstimator
 
 FORCE = np.array([-12.0, 4.0, 55.0])
 
@@ -74,11 +74,3 @@ def test_a_joint_that_reads_nan_makes_no_force(model: ControlledModel, state: Ro
     broken = estimator.update(msgspec.structs.replace(state, position=position))
     assert np.isnan(broken.hands).all()
     np.testing.assert_allclose(estimator.update(state).hands[1], FORCE, atol=1e-2)
-
-
-def test_a_feeler_forgets_what_it_read_in_the_air() -> None:
-    feeler = Feeler(np.array([1.0, 0.0, 0.0]))
-    feeler.tare(np.array([2.0, 1.0, 0.0]))
-    assert feeler.normal_force(np.array([12.0, 1.0, 5.0])) == pytest.approx(10.0)
-    assert feeler.force(np.array([2.0, 4.0, 4.0])) == pytest.approx(5.0)
-    assert not feeler.force(np.array([np.nan, 0.0, 0.0])) > 0.0

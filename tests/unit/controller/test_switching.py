@@ -13,6 +13,7 @@ from w2c_controller.model import ControlledModel, Kinematics, standing_configura
 from w2c_controller.parameters import Motion, Parameters
 from w2c_controller.retargeting import Retargeting
 from w2c_controller.sensing import Measured
+from w2c_controller.supervision import Finding
 from w2c_controller.switching import Switching
 
 DT = 0.01
@@ -35,8 +36,9 @@ class World:
         at_rest = Kinematics(model)
         at_rest.update_frames(standing_configuration(model, joints))
         self.hands = Hands(self.retargeting, at_rest)
-        self.switching = Switching(self.retargeting, self.hands)
+        self.switching = Switching(self.retargeting, self.hands, DT)
         self.events: list[Event] = []
+        self.findings: list[Finding] = []
         self.phases: list[str] = []
         self.enabled_at: list[float] = []
         self.left_force = np.zeros(3)
@@ -50,6 +52,7 @@ class World:
                 feet=np.tile([0.0, 0.0, 440.0, 0.0, 0.0, 0.0], (2, 1)),
                 hands=np.stack([self.left_force, self._surface(self) * UP]),
             )
+            self.findings += self.switching.supervise(measured)
             new = self.switching.step(measured)
             self.events += new
             if not was and self.retargeting.state.enabled[3]:
@@ -157,7 +160,7 @@ def test_a_surface_that_does_not_carry_is_left_again(make_world: MakeWorld) -> N
     world = make_world(slippery)
     world.switching.place(goal(NEAR))
     assert world.run(40.0, "aborted") == "aborted"
-    assert "did not take load" in world.events[-1].reason
+    assert "did not take its load" in world.events[-1].reason
     world.run(12.0)
     assert world.switching.phase == "hold"
     assert not world.retargeting.state.enabled[3]

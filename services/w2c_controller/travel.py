@@ -1,0 +1,61 @@
+"""An end effector on a path: the path's clock waits for it, and tells when it is stuck."""
+
+import numpy as np
+
+from w2c_controller.hands import Hands
+from w2c_controller.parameters import HANDS, Motion
+from w2c_controller.routes import at
+from w2c_controller.stall import StallDetector
+from w2c_controller.trajectory import Path
+
+
+class Travel:
+    """One path at a time, of one end effector."""
+
+    def __init__(self, hands: Hands, motion: Motion, lead: float, dt: float) -> None:
+        """Stay where the left hand is.
+
+        Args:
+            hands: Take the targets.
+            motion: Limits of a stall.
+            lead: How far the target may be ahead of the end effector [m].
+            dt: Period [s].
+        """
+        self._hands = hands
+        self._lead = lead
+        self._dt = dt
+        self._stall = StallDetector(motion, dt)
+        self._effector = HANDS[0]
+        self.path: Path = at(hands.position(self._effector))
+
+    def start(self, effector: int, path: Path) -> None:
+        """Begin a path at its start."""
+        self._effector, self.path = effector, path
+        self._hands.targets[effector] = path.position()
+        self._stall.reset()
+
+    def follow(self) -> bool:
+        """Advance by one tick while the end effector keeps up. Returns whether it is stuck."""
+        position = self._hands.position(self._effector)
+        if float(np.linalg.norm(self.path.position() - position)) < self._lead:
+            self.path.advance(self._dt)
+            self._stall.reset()
+        self._hands.targets[self._effector] = self.path.position()
+        return self._stall.step(position)
+
+    def rests(self) -> bool:
+        """Look at an end effector that follows no path: whether it stopped moving."""
+        return self._stall.step(self._hands.position(self._effector))
+
+    def watch_anew(self) -> None:
+        """Forget how long the end effector has not moved."""
+        self._stall.reset()
+
+    def next_leg(self) -> None:
+        """Go to the start of the next leg, wherever this one was."""
+        self.path.next_leg()
+        self._stall.reset()
+
+    def finish(self) -> None:
+        """Take the end of the path as the target."""
+        self._hands.targets[self._effector] = self.path.end

@@ -1,0 +1,54 @@
+"""What an end effector feels, without what it read in the air."""
+
+import numpy as np
+import pytest
+
+from w2c.messages import Array
+from w2c_controller.feelers import Feelers
+from w2c_controller.sensing import Measured
+
+LEFT_FOOT, RIGHT_HAND = 0, 3
+
+
+def measured(foot: tuple[float, float, float], hand: tuple[float, float, float]) -> Measured:
+    feet, hands = np.zeros((2, 6)), np.zeros((2, 3))
+    feet[0, :3], hands[1] = foot, hand
+    return Measured(feet=feet, hands=hands)
+
+
+def test_what_was_read_in_the_air_is_no_force() -> None:
+    feelers = Feelers()
+    feelers.expect(RIGHT_HAND, np.array([1.0, 0.0, 0.0]))
+    feelers.tare(RIGHT_HAND, measured((0.0, 0.0, 0.0), (2.0, 1.0, 0.0)))
+    assert feelers.normal_force(
+        RIGHT_HAND, measured((0.0, 0.0, 0.0), (12.0, 1.0, 5.0))
+    ) == pytest.approx(10.0)
+    assert feelers.force(RIGHT_HAND, measured((0.0, 0.0, 0.0), (2.0, 4.0, 4.0))) == pytest.approx(
+        5.0
+    )
+
+
+def test_a_foot_feels_along_its_sole() -> None:
+    feelers = Feelers()
+    feelers.expect(LEFT_FOOT, np.array([0.6, 0.0, 0.8]))
+    pressed = measured((3.0, 0.0, 400.0), (0.0, 0.0, 0.0))
+    assert feelers.normal_force(LEFT_FOOT, pressed) == 400.0
+
+
+def test_weight_that_turns_in_the_air_becomes_zero() -> None:
+    feelers = Feelers()
+    turned = measured((0.0, 0.0, 0.0), (0.0, 8.0, 0.0))
+    for _ in range(40):
+        feelers.follow(RIGHT_HAND, turned, 0.1)
+    assert feelers.force(RIGHT_HAND, turned) < 0.2
+
+
+def test_a_sensor_that_reads_nan_is_never_a_touch() -> None:
+    feelers = Feelers()
+    broken = measured((0.0, 0.0, 0.0), (np.nan, 0.0, 0.0))
+    feelers.follow(RIGHT_HAND, broken, 0.1)
+    touch: Array = np.array(
+        [feelers.force(RIGHT_HAND, broken), feelers.normal_force(RIGHT_HAND, broken)]
+    )
+    assert not (touch > 0.0).any()
+    assert np.isfinite(feelers.tares).all()
