@@ -40,7 +40,6 @@ def balance_at_rest(
     """
     state.wrenches[:] = 0.0
     layout = ContactLayout(state.enabled, controlled.nv)
-    kinematics.update_frames(state.q)
     kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
     program, slices = _program(layout, controlled, kinematics, state, parameters)
     try:

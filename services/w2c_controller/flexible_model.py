@@ -95,7 +95,6 @@ def find_equilibrium(
     joints = np.arange(6, nv)
     matrix, right = np.zeros((size, size)), np.zeros(size)
     for step in range(NEWTON_STEPS + 1):
-        kinematics.update_frames(state.q)
         kinematics.update_statics(state.q, state.wrenches, surfaces, state.enabled)
         residual = kinematics.static.copy()
         residual[6:] -= controlled.stiffness * (command - state.q[7:])

@@ -92,7 +92,6 @@ class ForceControl:
         if desired.enabled != flexible.enabled:
             self._switch(retargeting)
         np.add(desired.q[7:], flexible.offset, out=self._command)
-        kinematics.update_frames(flexible.q)
         kinematics.update_statics(
             flexible.q, flexible.wrenches, desired.contact_rotations, flexible.enabled
         )

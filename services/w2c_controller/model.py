@@ -7,7 +7,7 @@ the order of the bus.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,8 @@ import pinocchio as pin
 from w2c.errors import ConfigError
 from w2c.geometry import base_from_midfeet, inverse, quaternion_from_rotation
 from w2c.messages import RobotDescription
+from w2c_controller.statics import LOADS, Contacts, place_under_load
+from w2c_controller.tree import Tree, integrate, place
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -45,6 +47,11 @@ class ControlledModel:
     joint_indices: Indices
     """(nj,) where joint i of the QP stands in vectors of the bus"""
     joint_names: tuple[str, ...]
+
+    @cached_property
+    def tree(self) -> Tree:
+        """The bodies, for compiled kinematics. Raises ConfigError."""
+        return Tree.of(self.model, self.frames)
 
     @property
     def nv(self) -> int:
@@ -146,25 +153,17 @@ def standing_configuration(
     return np.asarray(q, dtype=np.float64)
 
 
-def skew(vector: Vector) -> Matrix:
-    """Return the matrix [v]x (3, 3) of the cross product: [v]x w = v x w."""
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
 class Kinematics:
     """Everything the QP needs of one posture under one set of contact wrenches.
 
-    Pinocchio hands out views of its data that the next call overwrites: all outputs here are
-    copies in
-    preallocated arrays, and every `Kinematics` has data of its own, so that two of them may run
-    in two threads.
+    All outputs stand in preallocated arrays, which the next update overwrites in place. Each
+    `Kinematics` has arrays of its own, so that two of them may run in two threads.
     """
 
     def __init__(self, controlled: ControlledModel) -> None:
         self.controlled = controlled
-        self._data = controlled.model.createData()
-        nv = controlled.nv
+        nv, tree = controlled.nv, controlled.tree
+        bodies = tree.parents.size
         self.positions = np.zeros((4, 3))
         """Of the end effectors in the world."""
         self.rotations = np.zeros((4, 3, 3))
@@ -173,47 +172,30 @@ class Kinematics:
         """Linear then angular, world-aligned, at the frame's origin."""
         self.local_jacobians = np.zeros((2, 6, nv))
         """Of the soles, in the sole frames."""
-        self.momentum = np.zeros((6, nv))
-        """A_G: centroidal momentum of v."""
         self.static = np.zeros(nv)
         """s(q, lambda) = g(q) - sum J^T lambda (nv,): base residual, then joint torques."""
         self.static_dq = np.zeros((nv, nv))
         """T_q = ds/dq (nv, nv), in the tangent space of q."""
-        self._parents: list[int] = []
-        self._parent_from_frame: list[Any] = []
-        for frame in controlled.frames:
-            self._parents.append(controlled.model.frames[frame].parentJoint)
-            self._parent_from_frame.append(pin.SE3(controlled.model.frames[frame].placement))
-        self._external = pin.StdVec_Force()
-        for _ in range(controlled.model.njoints):
-            self._external.append(pin.Force.Zero())
+        self.static_dl = np.zeros((4, nv, 6))
+        """T_l = ds/dlambda of each end effector, as a contact: -J^T in the sole frame of a foot;
+        -J^T C, three columns, of the force of a hand in the contact frame C."""
+        self._body_rotations = np.zeros((bodies, 3, 3))
+        self._body_origins = np.zeros((bodies, 3))
+        self._body_axes = np.zeros((bodies, 3))
+        self._bodies = (self._body_rotations, self._body_origins, self._body_axes)
+        self._frames = (self.positions, self.rotations, self.jacobians, self.local_jacobians)
+        self._loads = np.zeros((bodies, LOADS))
+        self._work = np.zeros((4, 3))
 
     def update_frames(self, q: Vector) -> None:
         """Compute placements and Jacobians of the end effectors."""
-        model, data = self.controlled.model, self._data
-        pin.computeJointJacobians(model, data, q)
-        for k, frame in enumerate(self.controlled.frames):
-            placement = pin.updateFramePlacement(model, data, frame)
-            self.positions[k] = placement.translation
-            self.rotations[k] = placement.rotation
-            jacobian = pin.getFrameJacobian(
-                model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )
-            self.jacobians[k] = jacobian
-            if k < 2:
-                effector_from_world = self.rotations[k].T
-                self.local_jacobians[k, :3] = effector_from_world @ jacobian[:3]
-                self.local_jacobians[k, 3:] = effector_from_world @ jacobian[3:]
-
-    def joint_placement(self, joint: int) -> tuple[Matrix, Vector]:
-        """Return rotation (3, 3) and position (3,) of a joint's body in the world, as copies."""
-        placement = self._data.oMi[joint]
-        return np.array(placement.rotation), np.array(placement.translation)
+        tree = self.controlled.tree
+        place(q, *tree.kinematic, *self._bodies, *self._frames)
 
     def update_statics(
-        self, q: Vector, wrenches: Matrix, contact_rotations: Matrix, enabled: tuple[bool, ...]
+        self, q: Vector, wrenches: Matrix, contact_rotations: Matrix, enabled: Contacts
     ) -> None:
-        """Compute s, T_q and A_G; `update_frames` of the same q comes first.
+        """Compute what `update_frames` does, s, T_q and T_l.
 
         Args:
             q: (nq,)
@@ -221,31 +203,39 @@ class Kinematics:
             contact_rotations: (4, 3, 3) world_from_contact, of the hands.
             enabled: Which contacts exist.
         """
-        model, data = self.controlled.model, self._data
-        world_forces = []
-        for k in range(4):
-            joint = self._parents[k]
-            if not enabled[k]:
-                self._external[joint] = pin.Force.Zero()
-                continue
-            wrench = pin.Force(wrenches[k])
-            if k >= 2:
-                world_force = contact_rotations[k] @ wrenches[k, :3]
-                world_forces.append((k, world_force))
-                wrench = pin.Force(self.rotations[k].T @ world_force, np.zeros(3))
-            self._external[joint] = self._parent_from_frame[k].act(wrench)
-        self.static[:] = pin.computeStaticTorque(model, data, q, self._external)
-        self.static_dq[:] = pin.computeStaticTorqueDerivatives(model, data, q, self._external)
-        for k, world_force in world_forces:
-            # Pinocchio holds forces constant in the body; the hand's is constant in the world.
-            linear, angular = self.jacobians[k, :3], self.jacobians[k, 3:]
-            self.static_dq -= linear.T @ (skew(world_force) @ angular)
-        self.momentum[:] = pin.computeCentroidalMap(model, data, q)
+        place_under_load(
+            q,
+            wrenches,
+            contact_rotations,
+            enabled,
+            *self.controlled.tree.kinematic,
+            self.controlled.tree.weights,
+            self.controlled.tree.centers,
+            *self._bodies,
+            *self._frames,
+            self._loads,
+            self._work,
+            self.static,
+            self.static_dq,
+            self.static_dl,
+        )
+
+    def joint_placement(self, joint: int) -> tuple[Matrix, Vector]:
+        """Return rotation (3, 3) and position (3,) of a joint's body in the world: views.
+
+        Args:
+            joint: Pinocchio's index; 1 is the base.
+        """
+        return self._body_rotations[joint - 1], self._body_origins[joint - 1]
 
     def integrate(self, q: Vector, increment: Vector) -> Vector:
         """Return q (+) increment (nv,)."""
-        return np.asarray(pin.integrate(self.controlled.model, q, increment))
+        out = np.empty_like(q)
+        integrate(q, increment, 1.0, out)
+        return out
 
     def center_of_mass(self, q: Vector) -> Vector:
         """Return the centre of mass (3,) in the world."""
-        return np.array(pin.centerOfMass(self.controlled.model, self._data, q))
+        return np.array(
+            pin.centerOfMass(self.controlled.model, self.controlled.model.createData(), q)
+        )

@@ -28,7 +28,9 @@ class Weights:
 
     joint_velocity: float = 1000.0
     posture: float = 10.0
-    momentum: float = 1e-6
+    base_velocity: float = 1e-4
+    """In the place of SEIKO's cost 1e-6 on the centroidal momentum, which changes wrench rates by
+    less than 1e-5 N/s: it keeps H positive definite where no end effector is free."""
     foot_position: float = 1e5
     foot_rotation: float = 1e4
     hand_position: float = 5e4
@@ -46,6 +48,8 @@ class Weights:
     """In the contact frame."""
     release_factor: float = 1e4
     """On the normalised wrench weights of a contact that is being unloaded."""
+    push: float = 1e4
+    """On all components of the wrench of a contact in push mode."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Assembly of the Retargeting QP, one preallocated program a contact set.
+"""The Retargeting QP, one preallocated program a contact set.
 
 x = [v (nv); wrench rates].
 
@@ -8,7 +8,12 @@ With s(q, lambda) the static residual, T_q and T_l its derivatives and tau = s_J
     min  sum w |J x - target|^2
     s.t. contact Jacobians v = drift / dt,   (T_q v + T_l lambda')_base = -s_base / dt,
          joint, velocity, torque, wrench rate and normal force limits, friction cones after the
-         step dt.
+         step dt
+
+(SEIKO Retargeting: Rouxel et al., T-Mech 2022, and RA-L 2024, section III). Costs: joint velocity
+and posture; poses of free end effectors, orientation of hands in contact; torques, and wrenches
+towards zero, towards the commanded force of a contact that pushes, or off a contact that is
+released.
 
 Every limit is widened to what the state has already, so that x = 0 satisfies all inequalities: a
 state beyond a limit may not go farther, and is not thrown back within one tick.
@@ -16,8 +21,8 @@ state beyond a limit may not go farther, and is not thrown back within one tick.
 
 import numpy as np
 import numpy.typing as npt
-import pinocchio as pin
 
+from w2c_controller.assembly import CLAMPS, assemble
 from w2c_controller.contacts import (
     ContactLayout,
     normal_force_limits,
@@ -32,6 +37,7 @@ from w2c_controller.solvers import Program
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
 
 
 def clamp_norm(vector: Vector, limit: float) -> Vector:
@@ -50,64 +56,169 @@ class ProgramBuilder:
         self._controlled = controlled
         self._parameters = parameters
         self._dt = dt
-        self._clamps = parameters.clamps
         nv, nj = controlled.nv, controlled.nj
         self._nv, self._nj = nv, nj
-        self._posed = [k for k in range(4) if k in HANDS or not layout.enabled[k]]
-        """End effectors with a pose cost: free ones, and the orientation of hands in contact."""
-        self._tasks = np.zeros((nj + 6 + 6 * len(self._posed), layout.size))
-        self._goal = np.zeros(self._tasks.shape[0])
-        self._task_weights = self._make_task_weights()
-        self._diagonal = np.zeros(layout.size)
-        self._wrench = np.zeros(layout.size - nv)
-        self._static_dl = np.zeros((nv, layout.size - nv))
-        """T_l = ds/dlambda"""
-        self._cone = self._make_cone()
+        self._contacts = np.array(
+            [(k, where.start, where.stop - where.start) for k, where in layout.slices.items()],
+            dtype=np.intp,
+        ).reshape(-1, 3)
+        cone = self._make_cone()
         equalities = layout.equality_rows
-        self.program = Program.empty(layout.size, equalities, nj + self._cone.shape[0])
-        self.program.rows[equalities + nj :, nv:] = self._cone
-        self._fill_constant_bounds()
+        self.program = Program.empty(layout.size, equalities, nj + cone.shape[0])
+        self.program.rows[equalities + nj :, nv:] = cone
+        self._torque_rows = self.program.rows[equalities : equalities + nj]
+        self._diagonal = np.zeros(layout.size)
+        self._wrench_goal = np.zeros(layout.size - nv)
+        self._weighted: tuple[list[bool], list[bool]] = ([], [])
+        """Which contacts were being released, and which pushed, when the weights were filled"""
+        choice = parameters.weights
+        self._diagonal[:6] = choice.base_velocity
+        self._diagonal[6:nv] = choice.joint_velocity + choice.posture
+        self._constant = (
+            controlled.tree.supports,
+            self._contacts,
+            self._torque_columns(),
+            self._diagonal,
+            self._wrench_goal,
+            choice.posture,
+            *self._make_weights(),
+            self._make_clamps(),
+            *self._make_limits(),
+        )
+        self._output = (
+            np.zeros((4, 6)),
+            np.zeros(layout.size - nv),
+            self.program.hessian,
+            self.program.gradient,
+            self.program.rows,
+            self.program.lower,
+            self.program.upper,
+        )
 
     def fill(self, kinematics: Kinematics, state: DesiredState) -> Program:
-        """Return the program of this state; the next call overwrites it."""
-        self._linearise(kinematics, state)
-        self._fill_cost(kinematics, state)
-        self._fill_equalities(kinematics, state)
-        self._fill_bounds(kinematics, state)
+        """Return the program of this state; the next call overwrites it.
+
+        Args:
+            kinematics: Of the state, statics included.
+            state: The desired state.
+        """
+        if self._weighted[0] != state.releasing or self._weighted[1] != state.pushing:
+            self._weigh_wrenches(state)
+        if True in state.pushing:
+            self._aim(state)
+        assemble(
+            self._dt,
+            state.q,
+            state.posture,
+            state.wrenches,
+            state.force_min,
+            state.target_positions,
+            state.target_rotations,
+            kinematics.positions,
+            kinematics.rotations,
+            kinematics.jacobians,
+            kinematics.static,
+            kinematics.static_dq,
+            kinematics.static_dl,
+            *self._constant,
+            *self._output,
+        )
         return self.program
 
     def torque_rate(self, x: Vector) -> Vector:
         """Return dtau/dt (nj,) of a solution [Nm/s]."""
-        return np.asarray(self._tasks[: self._nj] @ x)
+        return np.asarray(self._torque_rows @ x)
 
-    def _make_task_weights(self) -> Vector:
-        """Return the weights of the cost rows: torques, momentum, poses."""
-        weights = np.zeros(self._tasks.shape[0])
+    def _weigh_wrenches(self, state: DesiredState) -> None:
+        """Drive wrenches to zero: gently, and with all might those of a contact being released."""
+        weights = self._parameters.weights
+        self._wrench_goal[:] = 0.0
+        for k, where in self.layout.slices.items():
+            vector = np.array(weights.plane_wrench if k in FEET else weights.point_force)
+            if state.releasing[k]:
+                vector = vector * (weights.release_factor / vector[0])
+            elif state.pushing[k]:
+                vector[:] = weights.push
+            self._diagonal[where] = vector
+        self._weighted = (list(state.releasing), list(state.pushing))
+
+    def _aim(self, state: DesiredState) -> None:
+        """Give contacts that push their goal: the commanded force along the normal, no other."""
+        for k, where in self.layout.slices.items():
+            if state.pushing[k] and not state.releasing[k]:
+                self._wrench_goal[where.start - self._nv + 2] = state.push_force[k]
+
+    def _torque_columns(self) -> Indices:
+        """Return which columns of each torque row are not zero (nj, n), ascending, then -1."""
+        parents = self._controlled.tree.parents
+        size = self.layout.size
+        above = [set[int]() for _ in range(self._nj)]
+        for i in range(self._nj):
+            body = i + 1
+            while body > 0:
+                above[i].add(body + 5)
+                body = int(parents[body])
+        columns = np.full((self._nj, size), -1, dtype=np.intp)
+        for i in range(self._nj):
+            below = {j + 6 for j in range(self._nj) if i + 6 in above[j]}
+            wrenches = {
+                column
+                for k, where in self.layout.slices.items()
+                if i + 6 in self._controlled.tree.supports[k]
+                for column in range(where.start, where.stop)
+            }
+            # A moved base changes no torque, a turned one does.
+            found = sorted({3, 4, 5} | above[i] | below | wrenches)
+            columns[i, : len(found)] = found
+        return columns
+
+    def _make_weights(self) -> tuple[Vector, Matrix]:
+        """Return the weights of torques (nj,), and of positions and rotations (4, 2)."""
         choice = self._parameters.weights
-        for i, name in enumerate(self._controlled.joint_names):
-            weights[i] = choice.arm_torque if name.startswith("arm_") else choice.body_torque
-        weights[self._nj : self._nj + 6] = choice.momentum
-        for row, k in enumerate(self._posed):
-            start = self._nj + 6 + 6 * row
-            position = choice.foot_position if k in FEET else choice.hand_position
-            rotation = choice.foot_rotation if k in FEET else choice.hand_rotation[k - HANDS[0]]
-            weights[start : start + 3] = 0.0 if self.layout.enabled[k] else position
-            weights[start + 3 : start + 6] = rotation
-        return weights
+        torques = np.array(
+            [
+                choice.arm_torque if name.startswith("arm_") else choice.body_torque
+                for name in self._controlled.joint_names
+            ]
+        )
+        poses = np.zeros((4, 2))
+        for k in FEET:
+            if not self.layout.enabled[k]:
+                poses[k] = choice.foot_position, choice.foot_rotation
+        for k in HANDS:
+            free = not self.layout.enabled[k]
+            poses[k] = choice.hand_position if free else 0.0, choice.hand_rotation[k - HANDS[0]]
+        return torques, poses
 
     def _make_cone(self) -> Matrix:
         """Return the friction rows (m, wrench size) over the wrenches of all contacts."""
         limits, nv = self._parameters.limits, self._nv
-        blocks = []
+        blocks = [np.zeros((0, self.layout.size - nv))]
         for k, where in self.layout.slices.items():
             cone = plane_cone(limits) if k in FEET else point_cone(limits)
             block = np.zeros((cone.shape[0], self.layout.size - nv))
             block[:, where.start - nv : where.stop - nv] = cone
             blocks.append(block)
-        return np.vstack(blocks) if blocks else np.zeros((0, 0))
+        return np.vstack(blocks)
 
-    def _fill_constant_bounds(self) -> None:
-        """Prepare the limits that no state changes."""
+    def _make_clamps(self) -> Vector:
+        """Return the clamps, in the order of `assembly`."""
+        choice = self._parameters.clamps
+        clamps = np.array(
+            [
+                choice.posture,
+                choice.position,
+                choice.rotation,
+                choice.bias_force,
+                choice.bias_torque,
+                choice.bias_position,
+                choice.bias_rotation,
+            ]
+        )
+        return clamps.reshape(CLAMPS)
+
+    def _make_limits(self) -> tuple[Vector, ...]:
+        """Return largest normal forces, and limits of joints, velocities, torques, wrench rates."""
         limits, controlled = self._parameters.limits, self._controlled
         margin = np.array(
             [
@@ -115,108 +226,13 @@ class ProgramBuilder:
                 for name in controlled.joint_names
             ]
         )
-        self._joint_lower = controlled.lower + margin
-        self._joint_upper = controlled.upper - margin
-        self._velocity = limits.velocity_fraction * controlled.velocity
-        self._torque = limits.torque_fraction * controlled.effort
-        self._rates = np.concatenate(
-            [wrench_rate_limits(limits, k) for k in self.layout.slices] or [np.zeros(0)]
+        return (
+            np.array([normal_force_limits(limits, k)[1] for k in range(4)]),
+            controlled.lower + margin,
+            controlled.upper - margin,
+            limits.velocity_fraction * controlled.velocity,
+            limits.torque_fraction * controlled.effort,
+            np.concatenate(
+                [np.zeros(0), *(wrench_rate_limits(limits, k) for k in self.layout.slices)]
+            ),
         )
-
-    def _linearise(self, kinematics: Kinematics, state: DesiredState) -> None:
-        """Fill T_l and the stacked wrench."""
-        for k, where in self.layout.slices.items():
-            columns = slice(where.start - self._nv, where.stop - self._nv)
-            if k in FEET:
-                self._static_dl[:, columns] = -kinematics.local_jacobians[k].T
-                self._wrench[columns] = state.wrenches[k]
-            else:
-                linear = kinematics.jacobians[k, :3]
-                self._static_dl[:, columns] = -linear.T @ state.contact_rotations[k]
-                self._wrench[columns] = state.wrenches[k, :3]
-
-    def _fill_cost(self, kinematics: Kinematics, state: DesiredState) -> None:
-        """Fill H = sum J' W J and g = -sum J' W target (the factor 2 of both is dropped)."""
-        nv, nj, dt, clamps = self._nv, self._nj, self._dt, self._clamps
-        weights, tasks, goal = self._parameters.weights, self._tasks, self._goal
-        tasks[:nj, :nv] = kinematics.static_dq[6:]
-        tasks[:nj, nv:] = self._static_dl[6:]
-        goal[:nj] = kinematics.static[6:] / -dt
-        tasks[nj : nj + 6, :nv] = kinematics.momentum
-        for row, k in enumerate(self._posed):
-            start = nj + 6 + 6 * row
-            tasks[start : start + 6, :nv] = kinematics.jacobians[k]
-            drift = state.target_positions[k] - kinematics.positions[k]
-            turn = pin.log3(state.target_rotations[k] @ kinematics.rotations[k].T)
-            goal[start : start + 3] = clamp_norm(drift, clamps.position) / dt
-            goal[start + 3 : start + 6] = clamp_norm(turn, clamps.rotation) / dt
-        program = self.program
-        weighted = tasks * self._task_weights[:, None]
-        np.matmul(tasks.T, weighted, out=program.hessian)
-        program.gradient[:] = -(goal @ weighted)
-        diagonal = self._diagonal
-        diagonal[6:nv] = weights.joint_velocity + weights.posture
-        error = np.minimum(np.maximum(state.posture - state.q[7:], -clamps.posture), clamps.posture)
-        program.gradient[6:nv] -= weights.posture / dt * error
-        self._fill_wrench_weights(state)
-        program.gradient[nv:] += diagonal[nv:] * self._wrench / dt
-        program.hessian.ravel()[:: self.layout.size + 1] += diagonal
-
-    def _fill_wrench_weights(self, state: DesiredState) -> None:
-        """Drive wrenches to zero: gently, and with all might those of a contact being released."""
-        weights = self._parameters.weights
-        for k, where in self.layout.slices.items():
-            vector = np.array(weights.plane_wrench if k in FEET else weights.point_force)
-            if state.releasing[k]:
-                vector = vector * (weights.release_factor / vector[0])
-            self._diagonal[where] = vector
-
-    def _fill_equalities(self, kinematics: Kinematics, state: DesiredState) -> None:
-        """Fill fixed contacts and the equilibrium of the base, each with a bounded correction."""
-        dt, nv, clamps, program = self._dt, self._nv, self._clamps, self.program
-        right = np.zeros(self.layout.equality_rows)
-        row = 0
-        for k in self.layout.slices:
-            size = 6 if k in FEET else 3
-            program.rows[row : row + size, :nv] = kinematics.jacobians[k, :size]
-            drift = state.target_positions[k] - kinematics.positions[k]
-            right[row : row + 3] = clamp_norm(drift, clamps.bias_position) / dt
-            if size == 6:
-                turn = pin.log3(state.target_rotations[k] @ kinematics.rotations[k].T)
-                right[row + 3 : row + 6] = clamp_norm(turn, clamps.bias_rotation) / dt
-            row += size
-        program.rows[row : row + 6, :nv] = kinematics.static_dq[:6]
-        program.rows[row : row + 6, nv:] = self._static_dl[:6]
-        residual = kinematics.static
-        right[row : row + 3] = -clamp_norm(residual[:3], clamps.bias_force) / dt
-        right[row + 3 : row + 6] = -clamp_norm(residual[3:6], clamps.bias_torque) / dt
-        at = slice(self.layout.size, self.layout.size + self.layout.equality_rows)
-        program.lower[at] = right
-        program.upper[at] = right
-
-    def _fill_bounds(self, kinematics: Kinematics, state: DesiredState) -> None:
-        """Fill limits of joints, wrenches, torques and cones; x = 0 stays inside all of them."""
-        dt, nv, nj, program = self._dt, self._nv, self._nj, self.program
-        lower, upper = program.lower, program.upper
-        joints = state.q[7:]
-        upper[6:nv] = np.minimum(self._velocity, (self._joint_upper - joints) / dt)
-        lower[6:nv] = np.maximum(-self._velocity, (self._joint_lower - joints) / dt)
-        size = self.layout.size
-        upper[nv:size] = self._rates
-        lower[nv:size] = -self._rates
-        for k, where in self.layout.slices.items():
-            normal = where.start + 2
-            highest = normal_force_limits(self._parameters.limits, k)[1]
-            force = state.wrenches[k, 2]
-            upper[normal] = min(upper[normal], (highest - force) / dt)
-            lower[normal] = max(lower[normal], (state.force_min[k] - force) / dt)
-        start = size + self.layout.equality_rows
-        program.rows[self.layout.equality_rows : self.layout.equality_rows + nj] = self._tasks[:nj]
-        torque = kinematics.static[6:]
-        upper[start : start + nj] = (self._torque - torque) / dt
-        lower[start : start + nj] = (-self._torque - torque) / dt
-        upper[start + nj :] = (self._cone @ self._wrench) / -dt
-        np.maximum(upper[6:size], 0.0, out=upper[6:size])
-        np.minimum(lower[6:size], 0.0, out=lower[6:size])
-        np.maximum(upper[start:], 0.0, out=upper[start:])
-        np.minimum(lower[start:], 0.0, out=lower[start:])

@@ -129,7 +129,6 @@ class Retargeting:
         """
         state, kinematics, controlled = self.state, self.kinematics, self.controlled
         builder = self._builder(state.enabled)
-        kinematics.update_frames(state.q)
         kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
         try:
             x = scale * self._solver.solve(builder.fill(kinematics, state))

@@ -102,17 +102,6 @@ def test_statics_are_gravity_minus_the_wrenches_through_the_jacobians(
     np.testing.assert_allclose(kinematics.static, expected, atol=1e-9)
 
 
-def test_momentum_is_mass_times_the_speed_of_the_centre_of_mass(
-    model: ControlledModel, posture: Array
-) -> None:
-    kinematics = Kinematics(model)
-    kinematics.update_frames(posture)
-    kinematics.update_statics(posture, np.zeros((4, 6)), np.zeros((4, 3, 3)), (False,) * 4)
-    mass = pin.computeTotalMass(model.model)
-    numeric = mass * _columns(model, posture, kinematics.center_of_mass)
-    np.testing.assert_allclose(kinematics.momentum[:3], numeric, atol=1e-5)
-
-
 def test_what_was_read_of_one_posture_survives_the_next(
     model: ControlledModel, posture: Array, joints: Array
 ) -> None:
