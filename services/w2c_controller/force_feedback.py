@@ -156,7 +156,8 @@ def _step(
     proportional, damping, slow, smooth, window = gains[0], gains[1], gains[2], gains[3], gains[4]
     for k in range(4):
         usable = True
-        for i in range(6 if k < 2 else 3):
+        height = 6 if k < 2 else 3
+        for i in range(height):
             if k < 2:
                 value = feet[k, i]
             else:
@@ -170,7 +171,7 @@ def _step(
                 rates[k, i] = 0.0
             oldest[k, i] = value
             usable = usable and math.isfinite(value)
-        for i in range(6):
+        for i in range(height):
             model = believed[k, i] + dt * model_rates[k, i]
             if not usable:
                 believed[k, i] = model
