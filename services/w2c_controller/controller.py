@@ -25,6 +25,7 @@ from w2c_controller.requests import Request, Requests, Situation
 from w2c_controller.retargeting import Retargeting
 from w2c_controller.safety import Hazard, Holds, SafetyReport
 from w2c_controller.sensing import LoadEstimator, Measured
+from w2c_controller.solvers import FallbackSolver
 from w2c_controller.summary import Snapshot, summarize
 from w2c_controller.switching import Switching
 from w2c_controller.takeover import find_supports, starting_posture, unknown_contacts
@@ -47,8 +48,10 @@ class Controller:
         self.description = description
         self.model = build_model(description)
         self.dt = description.period_ns * 1e-9
-        self.retargeting = Retargeting(self.model, self.parameters, self.dt)
-        self.force_control = ForceControl(self.model, self.parameters, self.dt)
+        self.solvers = (FallbackSolver(), FallbackSolver())
+        """Of the Retargeting, of the force control."""
+        self.retargeting = Retargeting(self.model, self.parameters, self.dt, self.solvers[0])
+        self.force_control = ForceControl(self.model, self.parameters, self.dt, self.solvers[1])
         self.requests = Requests(self.model.hand_radius)
         self._initial = np.array(description.initial_position)
         self._at_rest = Kinematics(self.model)
@@ -118,6 +121,10 @@ class Controller:
         """End holds that wait for an operator at the next tick. From any thread."""
         self._resume_asked = True
 
+    def found(self, hazard: Hazard) -> None:
+        """Take a hazard that was found outside: it holds until the next good tick. For the loop."""
+        self._holds.found(hazard, self._tick)
+
     def desired_copy(self, timeout_s: float) -> DesiredState:
         """Return a copy of the desired state. Raises GoalRefusedError when no tick comes."""
         return self._handout.ask(timeout_s)
@@ -173,7 +180,9 @@ class Controller:
 
     def _guard_state(self, state: RobotState) -> None:
         """Look for what forbids to use this state, or to move on."""
-        self._holds.advance(self._tick)
+        if self._holds:
+            self._abort_when_overdue()
+            self._holds.advance(self._tick)
         for hazard in self._guards.inspect(state, first=not self._started):
             self._holds.found(hazard, self._tick)
 
@@ -196,16 +205,19 @@ class Controller:
 
     def _hold(self, state: RobotState) -> JointCommand:
         """Keep the command in force; goals wait, or are aborted where this is more than a pause."""
-        if not self._aborted and self._holds.must_hold(self._tick):
-            self._aborted = True
-            self._abort_goals(self._holds.text())
-            self._keep(state)
+        self._abort_when_overdue()
         if state.mode == "stopped" or not self._started or self._holds.active("command_not_taken"):
             self._keep(state)
         if not self._holds.active("sensor_not_finite"):
             self._sense(state)
         self._publish_situation()
         return self._answer()
+
+    def _abort_when_overdue(self) -> None:
+        """End goals once this is more than a pause."""
+        if not self._aborted and self._holds.must_hold(self._tick):
+            self._aborted = True
+            self._abort_goals(self._holds.text())
 
     def _go_on(self, state: RobotState) -> None:
         """Begin again from the command in force, after a hold or where it is not ours."""
@@ -240,6 +252,9 @@ class Controller:
         overload = self._guards.inspect_loads(self._measured, SENSE_EVERY * self.dt)
         if overload is not None:
             self._holds.found(overload, self._tick)
+        if self._started:
+            for finding in self._switching.supervise(self._measured):
+                self._holds.tell(finding.hazard(), self._tick)
 
     def _switch(self) -> None:
         self._events.extend(self._switching.step(self._measured))

@@ -1,51 +1,54 @@
 """The controller on the bus: states in, commands out, goals from threads of their own.
 
 Real time: the newest state is answered; ticks that were missed are skipped, and the motion is
-slower by
-them. Lock step: every state is answered once, and one that comes again gets the same answer again.
+slower by them. Lock step: every state is answered once, and one that comes again gets the same
+answer again. The loop only ticks and sends commands: what else is told goes through `Reports`.
 """
 
-import gc
 import logging
 import sys
 import threading
 import time
-
-import numpy as np
+from contextlib import nullcontext
 
 from w2c import topics
-from w2c.bus import Bus, Input, Latest, Queue, Received
+from w2c.bus import Bus, Queue, Received
 from w2c.bus.interface import CallContext
 from w2c.clock import Clock
-from w2c.errors import CallError, ConnectionFailedError, ControlError
+from w2c.errors import CallError, ConnectionFailedError, ControlError, UnavailableError
 from w2c.messages import (
-    ControllerStatus,
     Empty,
-    GoalEvent,
     GoalReply,
     JointCommand,
     PlaceGoal,
     PreviewReply,
     ReleaseGoal,
+    ResumeReply,
     RobotDescription,
     RobotState,
     StopReply,
     StopRequest,
 )
+from w2c.realtime import CONTROLLER_PRIORITY, NOT_ASKED, collector_off, real_time
 from w2c_controller.config import ControllerConfig
 from w2c_controller.controller import Controller
-from w2c_controller.events import Event
-from w2c_controller.parameters import EFFECTORS
+from w2c_controller.feed import StateFeed
 from w2c_controller.preview import preview
+from w2c_controller.qp_meter import QpMeter
+from w2c_controller.reports import Reports
+from w2c_controller.safety import Hazard
 from w2c_controller.search import StaticSearch
 from w2c_controller.timing import Timing
 
 STATUS_EVERY = 25
 """Ticks between two status messages: 20 Hz."""
+STATISTICS_EVERY = 250
+"""Ticks between two reports of statistics: 2 Hz."""
 POLL_S = 0.1
 RETRY_S = 0.2
 SWITCH_INTERVAL_S = 0.0003
 """A preview shares the interpreter with the loop, and must let go of it quickly."""
+RESUME_PATIENCE_S = 0.5
 
 log = logging.getLogger("w2c.controller")
 
@@ -61,7 +64,17 @@ class ControllerNode:
         self._answer: JointCommand | None = None
         self._trouble = ""
         self._retry_tick = -1
+        self._skipped = 0
+        self._stale = False
+        self._feed: StateFeed | None = None
+        self._granted = NOT_ASKED
+        self._reports = Reports(bus)
         self._switch_interval = sys.getswitchinterval()
+
+    @property
+    def detail(self) -> str:
+        """What people should know of this process: what the system did not grant."""
+        return self._granted.trouble
 
     def configure(self) -> None:
         """Ask the robot what it is, build the model, and take calls."""
@@ -70,63 +83,117 @@ class ControllerNode:
             self._bus.use_lock_step()
             self._queue: Queue[RobotState] = self._bus.queue(topics.ROBOT_STATE)
         else:
-            self._latest: Latest[RobotState] = self._bus.latest(topics.ROBOT_STATE)
+            self._feed = StateFeed(
+                self._bus.latest(topics.ROBOT_STATE),
+                self._description.period_ns,
+                old_ns=round(self._config.old_ms * 1e6),
+            )
         self._bus.serve(topics.PLACE, self._place)
         self._bus.serve(topics.RELEASE, self._release)
         self._bus.serve(topics.CONTROLLER_STOP, self._stop)
+        self._bus.serve(topics.CONTROLLER_RESUME, self._resume)
         self._bus.serve(topics.PREVIEW, self._preview)
 
     def run(self, stop: threading.Event) -> None:
         """Answer states until `stop`."""
-        # What was built lives as long as the process: the collector need not look at it again.
-        gc.collect()
-        gc.freeze()
+        asks = self._config.real_time and self._feed is not None
         sys.setswitchinterval(SWITCH_INTERVAL_S)
-        stale = False
-        while not stop.is_set():
-            received = self._next_state()
-            if received is not None:
-                stale = False
-                self.controller.set_stale(False)
-                self._answer_state(received)
-            elif not self._description.lock_step and not stale:
-                stale = True
-                self.controller.set_stale(True)
-                self._trouble = (
-                    f"no state of the robot for {self._config.stale_ms:g} ms: not commanding"
-                )
-                log.warning("state is stale", extra={"limit_ms": self._config.stale_ms})
-                self._publish_status(time.monotonic_ns())
+        with (
+            real_time(CONTROLLER_PRIORITY) if asks else nullcontext(NOT_ASKED) as self._granted,
+            collector_off() as self._collector,
+        ):
+            if self._granted.trouble:
+                log.warning("the loop may be late: %s", self._granted.trouble)
+            self._reports.start()
+            while not stop.is_set():
+                received = self._next_state()
+                if received is None:
+                    self._note_silence()
+                else:
+                    self._answer_state(received)
 
     def close(self) -> None:
-        """Give the interpreter back as it was."""
+        """Tell what waits, and give the interpreter back as it was."""
+        self._reports.stop()
         sys.setswitchinterval(self._switch_interval)
-        gc.unfreeze()
 
     # --- the loop --------------------------------------------------------------------------------
     def _next_state(self) -> Received[RobotState] | None:
-        if self._description.lock_step:
-            return self._queue.receive(POLL_S)
-        return self._latest.wait(self._config.stale_ms * 1e-3)
+        return self._queue.receive(POLL_S) if self._feed is None else self._feed.next()
 
     def _answer_state(self, received: Received[RobotState]) -> None:
-        """Tick once, publish the command and what happened."""
+        """Tick once, send the command, hand over what happened."""
         begin = time.monotonic_ns()
-        state = received.message
+        state, source = received.message, received.as_input()
         if received.envelope.boot_id != self._boot_id:
             self._meet_robot(received.envelope.boot_id)
-        if self._answer is not None and state.tick == self._answer.tick:
-            self._bus.publish(topics.JOINT_COMMAND, self._answer, (received.as_input(),))
+        if self._is_repeated(state):
+            if self._answer is not None and state.tick == self._answer.tick:
+                self._bus.publish(topics.JOINT_COMMAND, self._answer, (source,))
             return
         command = self._tick(state)
         if command is not None:
             self._answer = command
-            self._bus.publish(topics.JOINT_COMMAND, command, (received.as_input(),))
-        self._timing.add(received.received_ns, begin, time.monotonic_ns())
-        for event in self.controller.take_events():
-            self._publish_event(event, state.stamp_ns, received.as_input())
-        if state.tick % STATUS_EVERY == 0 or command is None:
-            self._publish_status(state.stamp_ns)
+            self._bus.publish(topics.JOINT_COMMAND, command, (source,))
+        for meter in self._meters:
+            meter.step()
+        late_ns = 0 if self._feed is None else self._feed.late_ns
+        self._timing.add(late_ns, begin, time.monotonic_ns())
+        self._report(state, received, command is None)
+
+    def _is_repeated(self, state: RobotState) -> bool:
+        """Tell whether a state is no news: answered already, or older than one that was."""
+        self._end_silence()
+        if self._answer is None:
+            return False
+        ahead = state.tick - self._answer.tick
+        if ahead > 0:
+            self._skipped += ahead - 1
+            return False
+        if ahead < 0:
+            self._bus.count("state out of order")
+            text = f"the state of tick {state.tick} came after that of {self._answer.tick}"
+            hazard = Hazard("state_out_of_order", text, "", state.tick, self._answer.tick, "ticks")
+            self.controller.found(hazard)
+        return True
+
+    def _report(self, state: RobotState, received: Received[RobotState], failed: bool) -> None:
+        """Hand over what happened in a tick."""
+        controller, reports, stamp_ns = self.controller, self._reports, state.stamp_ns
+        for event in controller.take_events():
+            reports.goal(event, stamp_ns, received.as_input())
+        for report in controller.take_safety_reports():
+            reports.safety(report, stamp_ns, received.as_input())
+        if state.tick % STATUS_EVERY == 0 or failed:
+            reports.status(controller.snapshot(), self._timing, self._trouble, stamp_ns)
+        if state.tick % STATISTICS_EVERY == 0:
+            reports.statistics(
+                stamp_ns, state.tick, self._timing, self._feed, self._skipped, self._meters,
+                self._collector.runs, self._granted,
+            )  # fmt: skip
+
+    def _note_silence(self) -> None:
+        """Say once that states stopped coming; nothing is commanded meanwhile."""
+        if self._feed is None or self._stale:
+            return
+        silence_ms = self._feed.silence_ns() * 1e-6
+        if silence_ms < self._config.stale_ms:
+            return
+        self._stale = True
+        self.controller.set_stale(True)
+        text = f"no state of the robot for {silence_ms:.0f} ms: not commanding"
+        limit = self._config.stale_ms
+        self.controller.found(Hazard("state_stale", text, "driver", silence_ms, limit, "ms"))
+        self._trouble = text
+        stamp_ns = time.monotonic_ns()
+        for report in self.controller.take_safety_reports():
+            self._reports.safety(report, stamp_ns)
+        self._reports.status(self.controller.snapshot(), self._timing, text, stamp_ns)
+
+    def _end_silence(self) -> None:
+        if self._stale:
+            self._stale = False
+            self.controller.set_stale(False)
 
     def _tick(self, state: RobotState) -> JointCommand | None:
         """Return the command of a state; None while the robot stands as it cannot be controlled."""
@@ -154,6 +221,7 @@ class ControllerNode:
         self.controller = Controller(description)
         self._search = StaticSearch(self.controller.model)
         self._timing = Timing(description.period_ns)
+        self._meters = QpMeter(self.controller.solvers[0]), QpMeter(self.controller.solvers[1])
         self._answer = None
 
     def _describe(self) -> RobotDescription:
@@ -171,41 +239,6 @@ class ControllerNode:
                     ) from error
             time.sleep(RETRY_S)
 
-    # --- what is published -----------------------------------------------------------------------
-    def _publish_event(self, event: Event, stamp_ns: int, source: Input) -> None:
-        message = GoalEvent(
-            stamp_ns=stamp_ns,
-            goal_id=event.goal_id,
-            end_effector=EFFECTORS[event.effector],
-            task=event.task,
-            state=event.state,
-            reason=event.reason,
-            distance=event.distance,
-        )
-        self._bus.publish(topics.GOAL_EVENT, message, (source,))
-        log.info("goal %s %s", event.goal_id, event.state, extra={"reason": event.reason})
-
-    def _publish_status(self, stamp_ns: int) -> None:
-        snapshot = self.controller.snapshot()
-        status = ControllerStatus(
-            stamp_ns=stamp_ns,
-            tick=snapshot.tick,
-            phase=snapshot.phase,
-            goal_id=snapshot.goal_id,
-            end_effector=snapshot.end_effector,
-            task=snapshot.task,
-            distance=snapshot.distance,
-            in_contact=snapshot.in_contact,
-            desired_forces=snapshot.desired_forces,
-            end_effector_positions=snapshot.positions,
-            loads=np.nan_to_num(snapshot.loads, nan=-1.0),
-            solver_failures=snapshot.solver_failures,
-            lateness_us=self._timing.lateness_us(),
-            tick_us=self._timing.tick_us(),
-            message=self._trouble or snapshot.message,
-        )
-        self._bus.publish(topics.CONTROLLER_STATUS, status)
-
     # --- calls, each on a thread of its own ------------------------------------------------------
     def _place(self, request: PlaceGoal, _: CallContext) -> GoalReply:
         return self.controller.requests.place(request)
@@ -217,7 +250,24 @@ class ControllerNode:
         """Hold at once, and have the driver hold, which outlives this process."""
         self.controller.freeze(request.reason)
         log.warning("stop from %s: %s", context.caller, request.reason or "no reason given")
-        return self._bus.call(topics.ROBOT_STOP, request).message
+        try:
+            return self._bus.call(topics.ROBOT_STOP, request).message
+        except CallError as error:
+            raise UnavailableError(
+                f"the controller holds, but the driver did not acknowledge the stop ({error}); "
+                "try again, or go on with: w2c resume"
+            ) from error
+
+    def _resume(self, _request: Empty, context: CallContext) -> ResumeReply:
+        """End what holds the robot until an operator says so."""
+        log.warning("resume from %s", context.caller)
+        self.controller.resume()
+        deadline = time.monotonic() + RESUME_PATIENCE_S
+        while (holding := self.controller.requests.situation.holding) and (
+            time.monotonic() < deadline
+        ):
+            time.sleep(0.02)
+        return ResumeReply(holding=bool(holding), text=holding)
 
     def _preview(self, request: PlaceGoal, _: CallContext) -> PreviewReply:
         """Search on a copy of the desired state; the loop goes on meanwhile."""

@@ -9,7 +9,7 @@ The answer is never to switch motors off: a robot that holds its last command st
 A hold ends by itself once its cause is gone for a while, or an operator ends it: see `RULES`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from w2c.messages.control import SafetyCause
@@ -82,11 +82,14 @@ class SafetyReport:
     hazard: Hazard
     begins: bool
     tick: int
+    answered: bool = False
+    """Whether goals ended already, and the loop goes on balancing"""
 
     @property
     def rule(self) -> Rule:
         """How it is answered."""
-        return RULES[self.hazard.cause]
+        rule = RULES[self.hazard.cause]
+        return replace(rule, resumes="by itself") if self.answered else rule
 
 
 @dataclass
@@ -118,6 +121,11 @@ class Holds:
             return
         self._active[hazard.cause] = _Active(hazard, tick, tick)
         self._reports.append(SafetyReport(hazard, begins=True, tick=tick))
+
+    def tell(self, hazard: Hazard, tick: int) -> None:
+        """Report a hazard that was answered where it was found, and keeps nothing from moving."""
+        for begins in (True, False):
+            self._reports.append(SafetyReport(hazard, begins=begins, tick=tick, answered=True))
 
     def advance(self, tick: int) -> None:
         """End what is over by itself."""

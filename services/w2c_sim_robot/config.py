@@ -14,6 +14,8 @@ class RobotConfig(ServiceConfig, frozen=True, kw_only=True):
 
     lock_step: bool = False
     """Wait for the command of each tick instead of keeping real time."""
+    real_time: bool = True
+    """In real time, ask for locked memory and SCHED_FIFO."""
     scene: str = ""
     """Scene file (JSON) of what stands before the robot; empty = nothing but the floor."""
     seed: int = 0

@@ -6,9 +6,9 @@ That state is sent again every second, because a controller that starts later ha
 controller gives a tick that it has answered before the same answer, without computing.
 """
 
-import gc
 import logging
 import threading
+from contextlib import nullcontext
 from pathlib import Path
 
 import mujoco
@@ -26,6 +26,7 @@ from w2c.messages import (
     StopReply,
     StopRequest,
 )
+from w2c.realtime import NOT_ASKED, ROBOT_PRIORITY, collector_off, real_time
 from w2c_sim_robot.config import RobotConfig
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import build_model
@@ -54,6 +55,12 @@ class RobotNode:
         self._lock = threading.Lock()
         self._command_input: tuple[Input, ...] = ()
         self._pacer: Pacer | None = None
+        self._granted = NOT_ASKED
+
+    @property
+    def detail(self) -> str:
+        """What people should know of this process: what the system did not grant."""
+        return self._granted.trouble
 
     def configure(self) -> None:
         """Build the robot, and answer who asks for it."""
@@ -82,13 +89,15 @@ class RobotNode:
 
     def run(self, stop: threading.Event) -> None:
         """Live until `stop`."""
-        # What was built lives as long as the process: the collector need not look at it again.
-        gc.collect()
-        gc.freeze()
-        if self._config.lock_step:
-            self._run_in_lock_step(stop, self._commands)
-        else:
-            self._run_in_real_time(stop)
+        with collector_off():
+            if self._config.lock_step:
+                self._run_in_lock_step(stop, self._commands)
+                return
+            asks = self._config.real_time
+            with real_time(ROBOT_PRIORITY) if asks else nullcontext(NOT_ASKED) as self._granted:
+                if self._granted.trouble:
+                    log.warning("the loop may be late: %s", self._granted.trouble)
+                self._run_in_real_time(stop)
 
     def close(self) -> None:
         """Say how well time was kept."""

@@ -51,6 +51,15 @@ class QueueingNode(Protocol):
         """Number of requests that wait."""
 
 
+@runtime_checkable
+class DetailedNode(Protocol):
+    """A node that has something to say of itself; the health reports show it."""
+
+    @property
+    def detail(self) -> str:
+        """What people should know; "" = nothing."""
+
+
 class HealthReporter:
     """Publishes the state of the process once a second, from a thread of its own."""
 
@@ -61,6 +70,7 @@ class HealthReporter:
         self._phase = "configure"
         self._detail = ""
         self.queue_length: Callable[[], int] = lambda: 0
+        self.node_detail: Callable[[], str] = lambda: ""
         self._process.cpu_percent()
         self._thread = threading.Thread(target=self._run, name="health", daemon=True)
         self._thread.start()
@@ -77,7 +87,7 @@ class HealthReporter:
             service=self._bus.service,
             instance=self._bus.instance,
             phase=self._phase,
-            detail=self._detail,
+            detail=self._detail or self.node_detail(),
             pid=os.getpid(),
             cpu_percent=self._process.cpu_percent(),
             memory_mb=self._process.memory_info().rss / 1e6,
@@ -114,6 +124,8 @@ def run_node(
     node = make_node(bus, clock)
     if isinstance(node, QueueingNode):
         health.queue_length = lambda: node.queue_length
+    if isinstance(node, DetailedNode):
+        health.node_detail = lambda: node.detail
     try:
         node.configure()
         health.set_phase("ready")

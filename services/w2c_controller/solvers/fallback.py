@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from w2c.errors import SolverError
 from w2c_controller.solvers.active_set import ActiveSetSolver
 from w2c_controller.solvers.daqp_solver import DaqpSolver
@@ -22,15 +24,23 @@ class FallbackSolver:
     """Programs that the first solver left to the others."""
     failures: int = 0
     """Programs that none solved."""
+    last: Program | None = None
+    """The newest program."""
 
     @property
     def iterations(self) -> int:
         """Active sets that the first solver tried, over all programs."""
         return int(getattr(self.solvers[0], "iterations", 0))
 
+    @property
+    def active_rows(self) -> int:
+        """Bounds that hold with equality in the newest solution."""
+        return 0 if self.last is None else int(np.count_nonzero(self.last.active))
+
     def solve(self, program: Program) -> Vector:
         """Return the optimum (n,), valid until the next call. Raises UnsolvedError if none does."""
         self.solves += 1
+        self.last = program
         *before, last = self.solvers
         for index, solver in enumerate(before):
             try:

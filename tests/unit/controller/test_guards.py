@@ -4,7 +4,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from w2c.messages import Array, RobotDescription, RobotState
+from support.states import standing_state
+from w2c.messages import Array, RobotDescription
 from w2c_controller.guards import SENSE_EVERY, Guards, joint_limits
 from w2c_controller.parameters import GuardLimits
 from w2c_controller.safety import Hazard
@@ -22,22 +23,7 @@ class Bench:
         self.guards = Guards(description, self.joints, LIMITS, DT)
         self.names = [joint.name for joint in description.joints]
         self.noise = np.random.default_rng(0)
-        n = len(self.names)
-        self.state = RobotState(
-            stamp_ns=0,
-            tick=0,
-            position=np.array(description.initial_position),
-            velocity=np.zeros(n),
-            torque=np.zeros(n),
-            sole_wrenches=np.zeros((2, 6)),
-            left_wrist_wrench=np.zeros(6),
-            imu_orientation=np.array([0.0, 0.0, 0.0, 1.0]),
-            imu_angular_velocity=np.zeros(3),
-            imu_linear_acceleration=np.zeros(3),
-            command=np.array(description.initial_position),
-            command_tick=0,
-            mode="tracking",
-        )
+        self.state = standing_state(description)
 
     def look(self, ticks: int = 1, **changes: object) -> list[Hazard]:
         """Return all that is found while these readings stay, with a little noise on torques."""
