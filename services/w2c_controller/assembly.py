@@ -121,6 +121,8 @@ def fill_cost(
     supports: Indices,
     diagonal: Vector,
     posture_weight: float,
+    momentum_weight: float,
+    base_coupling: Matrix,
     torque_weights: Vector,
     pose_weights: Matrix,
     clamps: Vector,
@@ -139,6 +141,9 @@ def fill_cost(
         for j in range(i, n):
             hessian[i, j] = 0.0
         hessian[i, i] = diagonal[i]
+    for i in range(6):
+        for j in range(i, nv):
+            hessian[i, j] += momentum_weight * base_coupling[i, j]
     for i in range(6, nv):
         error = min(max(posture[i - 6] - q[i + 1], -clamps[POSTURE]), clamps[POSTURE])
         gradient[i] -= posture_weight / dt * error
@@ -281,12 +286,14 @@ def assemble(
     static: Vector,
     static_dq: Matrix,
     static_dl: Matrix,
+    base_coupling: Matrix,
     supports: Indices,
     contacts: Indices,
     columns: Indices,
     diagonal: Vector,
     wrench_goal: Vector,
     posture_weight: float,
+    momentum_weight: float,
     torque_weights: Vector,
     pose_weights: Matrix,
     clamps: Vector,
@@ -341,6 +348,8 @@ def assemble(
         supports,
         diagonal,
         posture_weight,
+        momentum_weight,
+        base_coupling,
         torque_weights,
         pose_weights,
         clamps,

@@ -16,6 +16,7 @@ import pinocchio as pin
 from w2c.errors import ConfigError
 from w2c.geometry import base_from_midfeet, inverse, quaternion_from_rotation
 from w2c.messages import RobotDescription
+from w2c_controller.momentum import MASSES, couple_base
 from w2c_controller.statics import LOADS, Contacts, place_under_load
 from w2c_controller.tree import Tree, integrate, place
 
@@ -179,6 +180,8 @@ class Kinematics:
         self.static_dl = np.zeros((4, nv, 6))
         """T_l = ds/dlambda of each end effector, as a contact: -J^T in the sole frame of a foot;
         -J^T C, three columns, of the force of a hand in the contact frame C."""
+        self.base_coupling = np.zeros((6, nv))
+        """Rows of the base of A_G^T A_G: squared centroidal momentum."""
         self._body_rotations = np.zeros((bodies, 3, 3))
         self._body_origins = np.zeros((bodies, 3))
         self._body_axes = np.zeros((bodies, 3))
@@ -186,6 +189,8 @@ class Kinematics:
         self._frames = (self.positions, self.rotations, self.jacobians, self.local_jacobians)
         self._loads = np.zeros((bodies, LOADS))
         self._work = np.zeros((4, 3))
+        self._masses = np.zeros((bodies, MASSES))
+        self._momentum = np.zeros((nv, 6))
 
     def update_frames(self, q: Vector) -> None:
         """Compute placements and Jacobians of the end effectors."""
@@ -218,6 +223,20 @@ class Kinematics:
             self.static,
             self.static_dq,
             self.static_dl,
+        )
+
+    def update_momentum(self) -> None:
+        """Compute the coupling of the base through the momentum, of the posture last updated."""
+        tree = self.controlled.tree
+        couple_base(
+            tree.parents,
+            tree.masses,
+            tree.centers,
+            tree.inertias,
+            *self._bodies,
+            self._masses,
+            self._momentum,
+            self.base_coupling,
         )
 
     def joint_placement(self, joint: int) -> tuple[Matrix, Vector]:

@@ -28,9 +28,9 @@ class Weights:
 
     joint_velocity: float = 1000.0
     posture: float = 10.0
-    base_velocity: float = 1e-4
-    """In the place of SEIKO's cost 1e-6 on the centroidal momentum, which changes wrench rates by
-    less than 1e-5 N/s: it keeps H positive definite where no end effector is free."""
+    momentum: float = 1e-6
+    """Centroidal. It changes wrench rates by less than 1e-5 N/s, and keeps H positive definite
+    where no end effector is free."""
     foot_position: float = 1e5
     foot_rotation: float = 1e4
     hand_position: float = 5e4
@@ -165,6 +165,12 @@ class Motion:
     ramp_stall_time: float = 4.0
     """[s]"""
     retreat_height: float = 0.08
+    clearance: float = 0.05
+    """Between the arm and what the camera saw on its way [m]."""
+    arm_radius: float = 0.06
+    """Of hand and forearm, at least [m]."""
+    reach_of_ways: float = 0.95
+    """How far from the shoulder's place at rest a way may lead over something [m]."""
     blend_time: float = 2.0
     """From the command in force to the controller's own, after each start [s]."""
     ahead_time: float = 0.0

@@ -11,13 +11,15 @@ With s(q, lambda) the static residual, T_q and T_l its derivatives and tau = s_J
          step dt
 
 (SEIKO Retargeting: Rouxel et al., T-Mech 2022, and RA-L 2024, section III). Costs: joint velocity
-and posture; poses of free end effectors, orientation of hands in contact; torques, and wrenches
-towards zero, towards the commanded force of a contact that pushes, or off a contact that is
-released.
+and posture; centroidal momentum; poses of free end effectors, orientation of hands in contact;
+torques; and wrenches towards zero, towards the commanded force of a contact that pushes, or off a
+contact that is released.
 
 Every limit is widened to what the state has already, so that x = 0 satisfies all inequalities: a
 state beyond a limit may not go farther, and is not thrown back within one tick.
 """
+
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -58,10 +60,6 @@ class ProgramBuilder:
         self._dt = dt
         nv, nj = controlled.nv, controlled.nj
         self._nv, self._nj = nv, nj
-        self._contacts = np.array(
-            [(k, where.start, where.stop - where.start) for k, where in layout.slices.items()],
-            dtype=np.intp,
-        ).reshape(-1, 3)
         cone = self._make_cone()
         equalities = layout.equality_rows
         self.program = Program.empty(layout.size, equalities, nj + cone.shape[0])
@@ -72,20 +70,21 @@ class ProgramBuilder:
         self._weighted: tuple[list[bool], list[bool]] = ([], [])
         """Which contacts were being released, and which pushed, when the weights were filled"""
         choice = parameters.weights
-        self._diagonal[:6] = choice.base_velocity
         self._diagonal[6:nv] = choice.joint_velocity + choice.posture
-        self._constant = (
+        # Tuples of arguments, whose types differ one by one.
+        self._constant: tuple[Any, ...] = (
             controlled.tree.supports,
-            self._contacts,
-            self._torque_columns(),
+            layout.table,
+            layout.torque_columns(controlled.tree),
             self._diagonal,
             self._wrench_goal,
             choice.posture,
+            choice.momentum,
             *self._make_weights(),
             self._make_clamps(),
             *self._make_limits(),
         )
-        self._output = (
+        self._output: tuple[Any, ...] = (
             np.zeros((4, 6)),
             np.zeros(layout.size - nv),
             self.program.hessian,
@@ -106,6 +105,7 @@ class ProgramBuilder:
             self._weigh_wrenches(state)
         if True in state.pushing:
             self._aim(state)
+        kinematics.update_momentum()
         assemble(
             self._dt,
             state.q,
@@ -120,6 +120,7 @@ class ProgramBuilder:
             kinematics.static,
             kinematics.static_dq,
             kinematics.static_dl,
+            kinematics.base_coupling,
             *self._constant,
             *self._output,
         )
@@ -147,30 +148,6 @@ class ProgramBuilder:
         for k, where in self.layout.slices.items():
             if state.pushing[k] and not state.releasing[k]:
                 self._wrench_goal[where.start - self._nv + 2] = state.push_force[k]
-
-    def _torque_columns(self) -> Indices:
-        """Return which columns of each torque row are not zero (nj, n), ascending, then -1."""
-        parents = self._controlled.tree.parents
-        size = self.layout.size
-        above = [set[int]() for _ in range(self._nj)]
-        for i in range(self._nj):
-            body = i + 1
-            while body > 0:
-                above[i].add(body + 5)
-                body = int(parents[body])
-        columns = np.full((self._nj, size), -1, dtype=np.intp)
-        for i in range(self._nj):
-            below = {j + 6 for j in range(self._nj) if i + 6 in above[j]}
-            wrenches = {
-                column
-                for k, where in self.layout.slices.items()
-                if i + 6 in self._controlled.tree.supports[k]
-                for column in range(where.start, where.stop)
-            }
-            # A moved base changes no torque, a turned one does.
-            found = sorted({3, 4, 5} | above[i] | below | wrenches)
-            columns[i, : len(found)] = found
-        return columns
 
     def _make_weights(self) -> tuple[Vector, Matrix]:
         """Return the weights of torques (nj,), and of positions and rotations (4, 2)."""

@@ -33,10 +33,14 @@ class Tree:
     """(n, 3) of the joint in its parent's frame [m]"""
     axes: Matrix
     """(n, 3) of the joint, in its own frame"""
+    masses: Vector
+    """(n,) [kg]"""
     weights: Vector
     """(n,) force of gravity on the body, up [N]: negative"""
     centers: Matrix
     """(n, 3) of mass, in the body's frame [m]"""
+    inertias: Matrix
+    """(n, 3, 3) about the centre of mass, in the body's frame [kg m^2]"""
     effector_bodies: Indices
     """(4,) that carry the end effectors"""
     effector_rotations: Matrix
@@ -65,6 +69,7 @@ class Tree:
         """Read the tree of a model. Raises ConfigError for joints that are not revolute."""
         bodies = model.njoints - 1
         placements = [model.jointPlacements[k + 1] for k in range(bodies)]
+        inertias = [model.inertias[k + 1] for k in range(bodies)]
         effectors = [model.frames[frame] for frame in frames]
         supports = np.full((4, model.nv), -1, dtype=np.intp)
         for k, effector in enumerate(effectors):
@@ -76,10 +81,10 @@ class Tree:
             rotations=np.array([placement.rotation for placement in placements]),
             origins=np.array([placement.translation for placement in placements]),
             axes=np.array([np.zeros(3), *(_axis(model, k + 1) for k in range(1, bodies))]),
-            weights=np.array(
-                [model.inertias[k + 1].mass * model.gravity.linear[2] for k in range(bodies)]
-            ),
-            centers=np.array([model.inertias[k + 1].lever for k in range(bodies)]),
+            masses=np.array([inertia.mass for inertia in inertias]),
+            weights=np.array([inertia.mass * model.gravity.linear[2] for inertia in inertias]),
+            centers=np.array([inertia.lever for inertia in inertias]),
+            inertias=np.array([inertia.inertia for inertia in inertias]),
             effector_bodies=np.array([frame.parentJoint - 1 for frame in effectors], dtype=np.intp),
             effector_rotations=np.array([frame.placement.rotation for frame in effectors]),
             effector_origins=np.array([frame.placement.translation for frame in effectors]),

@@ -102,6 +102,26 @@ def test_statics_are_gravity_minus_the_wrenches_through_the_jacobians(
     np.testing.assert_allclose(kinematics.static, expected, atol=1e-9)
 
 
+def test_base_coupling_is_that_of_pinocchios_centroidal_map(
+    model: ControlledModel, posture: Array
+) -> None:
+    kinematics = Kinematics(model)
+    kinematics.update_frames(posture)
+    kinematics.update_momentum()
+    centroidal = pin.computeCentroidalMap(model.model, model.model.createData(), posture)
+    expected = centroidal.T @ centroidal
+    np.testing.assert_allclose(kinematics.base_coupling, expected[:6], atol=1e-9)
+
+
+def test_integration_is_that_of_pinocchio(model: ControlledModel, posture: Array) -> None:
+    rng = np.random.default_rng(6)
+    for size in (1e-8, 1e-3, 1.0):
+        velocity = size * rng.standard_normal(model.nv)
+        expected = pin.integrate(model.model, posture, velocity)
+        actual = Kinematics(model).integrate(posture, velocity)
+        np.testing.assert_allclose(actual, expected, atol=1e-13)
+
+
 def test_what_was_read_of_one_posture_survives_the_next(
     model: ControlledModel, posture: Array, joints: Array
 ) -> None:
