@@ -7,9 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.parameters import FEET, HANDS, Limits
+from w2c_controller.tree import Tree
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
 
 Enabled = tuple[bool, bool, bool, bool]
 """Left foot, right foot, left hand, right hand."""
@@ -47,6 +49,39 @@ class ContactLayout:
     def equality_rows(self) -> int:
         """Six for the base's equilibrium, six a plane, three a point."""
         return 6 + self.size - self.nv
+
+    @cached_property
+    def table(self) -> Indices:
+        """Contacts (nc, 3): end effector, first variable, number of variables."""
+        rows = [(k, where.start, where.stop - where.start) for k, where in self.slices.items()]
+        return np.array(rows, dtype=np.intp).reshape(-1, 3)
+
+    def torque_columns(self, tree: Tree) -> Indices:
+        """Return which columns of each joint's torque row T_J are not zero.
+
+        They are (nj, n), ascending, then -1: those of the joints between base and tips through it,
+        and of the wrenches of the end effectors beyond it.
+        """
+        joints = self.nv - 6
+        above = [set[int]() for _ in range(joints)]
+        for i in range(joints):
+            body = i + 1
+            while body > 0:
+                above[i].add(body + 5)
+                body = int(tree.parents[body])
+        columns = np.full((joints, self.size), -1, dtype=np.intp)
+        for i in range(joints):
+            below = {j + 6 for j in range(joints) if i + 6 in above[j]}
+            wrenches = {
+                column
+                for k, where in self.slices.items()
+                if i + 6 in tree.supports[k]
+                for column in range(where.start, where.stop)
+            }
+            # A moved base changes no torque, a turned one does.
+            found = sorted({3, 4, 5} | above[i] | below | wrenches)
+            columns[i, : len(found)] = found
+        return columns
 
 
 def plane_cone(limits: Limits) -> Matrix:
