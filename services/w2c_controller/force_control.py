@@ -102,7 +102,6 @@ class ForceControl:
             kinematics,
             flexible,
             retargeting.kinematics,
-            desired.contact_rotations,
             self._command,
             self.feedback.effort_rates,
             self.torque_limits.limits,
@@ -114,19 +113,8 @@ class ForceControl:
             self._rates[:] = 0.0
             self._settle(retargeting)
             return False
-        self._integrate(program, x)
+        program.advance(x, flexible, self._rates)
         return True
-
-    def _integrate(self, program: FlexibleProgram, x: Vector) -> None:
-        flexible, controlled, dt = self.flexible, self._controlled, self._dt
-        limit = self._settings.offset_limit
-        flexible.offset += dt * program.command_rate(x)
-        np.clip(flexible.offset, -limit, limit, out=flexible.offset)
-        flexible.q = self.kinematics.integrate(flexible.q, dt * x[: controlled.nv])
-        for k, where in program.layout.slices.items():
-            size = where.stop - where.start
-            self._rates[k, :size] = x[where]
-            flexible.wrenches[k, :size] += dt * x[where]
 
     def _switch(self, retargeting: Retargeting) -> None:
         """Take over the contact set; a new contact is where the flexible robot has it now."""

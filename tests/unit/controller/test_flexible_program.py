@@ -47,7 +47,6 @@ class Setup:
             self.kinematics,
             state,
             self.retargeting.kinematics,
-            surfaces,
             self.command,
             self.effort_rates,
             self.torque_limits,

@@ -74,7 +74,6 @@ class Replay:
             self._flexible,
             state,
             self._desired,
-            surfaces,
             q_desired[7:] + state.offset,
             effort_rates,
             talos.effort,
