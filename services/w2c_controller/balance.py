@@ -53,7 +53,7 @@ def balance_at_rest(
         size = where.stop - where.start
         state.wrenches[k, :size] = solution[where]
     kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
-    state.torque = kinematics.static[6:].copy()
+    state.torque[:] = kinematics.static[6:]
 
 
 def _program(

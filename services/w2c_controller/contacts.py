@@ -84,6 +84,17 @@ class ContactLayout:
         return columns
 
 
+def contact_sets() -> list[Enabled]:
+    """Return every set of contacts with at least one foot."""
+    flags = (False, True)
+    return [
+        (left_foot, right_foot, left_hand, right_hand)
+        for left_foot, right_foot in ((True, True), (True, False), (False, True))
+        for left_hand in flags
+        for right_hand in flags
+    ]
+
+
 def plane_cone(limits: Limits) -> Matrix:
     """Return C (16, 6) of C w <= 0 for w = (fx, fy, fz, tx, ty, tz) in the sole frame.
 

@@ -47,6 +47,12 @@ class DesiredState:
     velocity: Vector = field(default_factory=lambda: np.zeros(0))
     """(nv,) of the last tick"""
 
+    def __post_init__(self) -> None:
+        if not self.velocity.size:
+            self.velocity = np.zeros(self.posture.size + 6)
+        if not self.torque.size:
+            self.torque = np.zeros(self.posture.size)
+
     def copy(self) -> "DesiredState":
         """Return an independent copy, to look ahead on."""
         return DesiredState(

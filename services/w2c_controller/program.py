@@ -64,7 +64,8 @@ class ProgramBuilder:
         equalities = layout.equality_rows
         self.program = Program.empty(layout.size, equalities, nj + cone.shape[0])
         self.program.rows[equalities + nj :, nv:] = cone
-        self._torque_rows = self.program.rows[equalities : equalities + nj]
+        self.torque_rows = self.program.rows[equalities : equalities + nj]
+        """T_J (nj, n): dtau/dt of a solution x is T_J x."""
         self._diagonal = np.zeros(layout.size)
         self._wrench_goal = np.zeros(layout.size - nv)
         self._weighted: tuple[list[bool], list[bool]] = ([], [])
@@ -125,10 +126,6 @@ class ProgramBuilder:
             *self._output,
         )
         return self.program
-
-    def torque_rate(self, x: Vector) -> Vector:
-        """Return dtau/dt (nj,) of a solution [Nm/s]."""
-        return np.asarray(self._torque_rows @ x)
 
     def _weigh_wrenches(self, state: DesiredState) -> None:
         """Drive wrenches to zero: gently, and with all might those of a contact being released."""

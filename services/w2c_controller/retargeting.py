@@ -9,12 +9,19 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from w2c.errors import SolverError
+from w2c.errors import ControlError, SolverError
 from w2c_controller.balance import balance_at_rest
-from w2c_controller.contacts import ContactLayout, Enabled, normal_force_limits
+from w2c_controller.contacts import (
+    ContactLayout,
+    Enabled,
+    contact_sets,
+    normal_force_limits,
+    wrench_rate_limits,
+)
 from w2c_controller.desired import DesiredState, with_contact
+from w2c_controller.integration import advance, stand_still
 from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.parameters import FEET, Parameters
+from w2c_controller.parameters import EFFECTORS, FEET, Parameters
 from w2c_controller.program import ProgramBuilder
 from w2c_controller.solvers import FallbackSolver, Solver
 
@@ -23,8 +30,6 @@ Matrix = npt.NDArray[np.float64]
 
 LIGHTEST = 0.5
 """Normal force of a contact that may be dropped, at most [N]."""
-FORCE_MIN_SLACK = 0.01
-"""How far the growing minimum of a new contact stays below its force [N]."""
 
 
 class Retargeting:
@@ -44,14 +49,18 @@ class Retargeting:
         self.failures = 0
         """Ticks without a solution: the robot held still instead."""
         self._solver = solver if solver is not None else FallbackSolver()
-        self._builders: dict[Enabled, ProgramBuilder] = {}
         self._configured_min = np.array(
             [normal_force_limits(parameters.limits, k)[0] for k in range(4)]
         )
+        self._lightest = np.array([_lightest(parameters, dt, k) for k in range(4)])
         self.state = DesiredState(q=np.zeros(controlled.model.nq), posture=np.zeros(controlled.nj))
-        for left in (False, True):
-            for right in (False, True):
-                self._builder((True, True, left, right))
+        self._builders: dict[Enabled, ProgramBuilder] = {}
+        for enabled in contact_sets():
+            layout = ContactLayout(enabled, controlled.nv)
+            builder = ProgramBuilder(layout, controlled, parameters, dt)
+            self._builders[enabled] = builder
+            if isinstance(self._solver, FallbackSolver):
+                self._solver.prepare(builder.program)
 
     def reset(self, joints: Vector, supports: Mapping[int, Matrix] | None = None) -> None:
         """Stand in this posture, world origin midway between the soles.
@@ -93,12 +102,20 @@ class Retargeting:
             contact: Index of the end effector.
             contact_rotation: (3, 3) world_from_contact, z out of the surface; a foot's wrench is
                 in its sole frame, whatever this says.
+
+        Raises:
+            ControlError: it is a contact already.
         """
         state = self.state
+        if state.enabled[contact]:
+            raise ControlError(
+                f"the {EFFECTORS[contact]} is a contact already; release it, and wait until it is "
+                "free, before it makes another"
+            )
         state.contact_rotations[contact] = contact_rotation
         state.wrenches[contact] = 0.0
         state.force_min[contact] = 0.0
-        state.releasing[contact] = False
+        state.releasing[contact] = state.pushing[contact] = False
         self.kinematics.update_frames(state.q)
         state.target_positions[contact] = self.kinematics.positions[contact]
         state.target_rotations[contact] = self.kinematics.rotations[contact]
@@ -127,56 +144,54 @@ class Retargeting:
         Args:
             scale: In [0, 1], multiplies the solution: 0 at the start, 1 after the blend.
         """
-        state, kinematics, controlled = self.state, self.kinematics, self.controlled
-        builder = self._builder(state.enabled)
+        state, kinematics = self.state, self.kinematics
+        builder = self._builders[state.enabled]
         kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
         try:
-            x = scale * self._solver.solve(builder.fill(kinematics, state))
+            x = self._solver.solve(builder.fill(kinematics, state))
         except SolverError:
             self.failures += 1
-            state.velocity = np.zeros(controlled.nv)
-            state.torque = kinematics.static[6:].copy()
+            stand_still(kinematics.static, state.velocity, state.torque)
             return False
-        state.velocity = x[: controlled.nv]
-        state.torque = kinematics.static[6:] + self.dt * builder.torque_rate(x)
-        state.q = kinematics.integrate(state.q, self.dt * state.velocity)
-        np.clip(state.q[7:], controlled.lower, controlled.upper, out=state.q[7:])
-        for k, where in builder.layout.slices.items():
-            size = where.stop - where.start
-            state.wrenches[k, :size] += self.dt * x[where]
-        self._grow_force_minimum()
-        self._drop_unloaded()
+        first, second, third, fourth = state.releasing
+        light = advance(
+            self.dt,
+            scale,
+            x,
+            builder.program.lower,
+            builder.program.upper,
+            kinematics.static,
+            builder.torque_rows,
+            builder.layout.table,
+            (first, second, third, fourth),
+            self.controlled.lower,
+            self.controlled.upper,
+            self._configured_min,
+            self._lightest,
+            state.q,
+            state.velocity,
+            state.torque,
+            state.wrenches,
+            state.force_min,
+        )
+        if light:
+            self._drop(light)
         return True
 
-    def _builder(self, enabled: Enabled) -> ProgramBuilder:
-        """Return the program of a contact set; all sets on two feet are made at the start."""
-        if enabled not in self._builders:
-            layout = ContactLayout(enabled, self.controlled.nv)
-            self._builders[enabled] = ProgramBuilder(
-                layout, self.controlled, self.parameters, self.dt
-            )
-        return self._builders[enabled]
-
-    def _grow_force_minimum(self) -> None:
-        """Raise the minimum of a new contact with its force, so that it is never infeasible."""
+    def _drop(self, light: int) -> None:
+        """Free the contacts of this mask; one foot stays."""
         state = self.state
         for k in range(4):
-            normal = float(state.wrenches[k, 2])
-            configured = float(self._configured_min[k])
-            growing = (
-                state.enabled[k] and not state.releasing[k] and state.force_min[k] < configured
-            )
-            if growing and normal > state.force_min[k] + FORCE_MIN_SLACK:
-                state.force_min[k] = min(normal - FORCE_MIN_SLACK, configured)
-
-    def _drop_unloaded(self) -> None:
-        """Free a released contact whose force is within one tick of zero."""
-        state = self.state
-        limits = self.parameters.limits
-        for k in range(4):
-            rate = limits.foot_force_rate if k in FEET else limits.hand_force_rate
-            threshold = min(self.dt * rate, LIGHTEST)
-            if state.enabled[k] and state.releasing[k] and state.wrenches[k, 2] < threshold:
-                state.enabled = with_contact(state.enabled, k, False)
-                state.releasing[k] = False
+            if light >> k & 1:
+                remaining = with_contact(state.enabled, k, False)
+                if remaining not in self._builders:
+                    continue
+                state.enabled = remaining
+                state.releasing[k] = state.pushing[k] = False
                 state.wrenches[k] = 0.0
+
+
+def _lightest(parameters: Parameters, dt: float, contact: int) -> float:
+    """Return the normal force below which a released contact is dropped [N]: that of one tick."""
+    rate = float(wrench_rate_limits(parameters.limits, contact)[2])
+    return min(dt * rate, LIGHTEST)

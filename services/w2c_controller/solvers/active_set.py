@@ -72,21 +72,20 @@ class ActiveSetSolver:
         """Return those of the last program solved (n + m,), as `Program.residual` takes them."""
         return np.zeros(0) if self._last is None else self._last.multipliers
 
+    def prepare(self, program: Program) -> None:
+        """Allocate the arrays for programs of this shape."""
+        self._workspace(program)
+
     def solve(self, program: Program) -> Vector:
         """Return the optimum (n,), valid until the next call. Raises UnsolvedError."""
-        rows, equalities = program.rows.shape[0], program.equalities
-        key = (program.gradient.shape[0], rows, equalities)
-        space = self._workspaces.get(key)
-        if space is None:
-            space = self._workspaces[key] = _Workspace(*key)
-        self._last = space
+        space = self._last = self._workspace(program)
         tried = solve_active_set(
             program.hessian,
             program.gradient,
             program.rows,
             program.lower,
             program.upper,
-            equalities,
+            program.equalities,
             program.active,
             space.factor,
             space.inverse,
@@ -105,6 +104,13 @@ class ActiveSetSolver:
             raise UnsolvedError(f"active set: {_REASONS[tried]}", program)
         self.iterations += tried
         return space.x
+
+    def _workspace(self, program: Program) -> _Workspace:
+        key = (program.gradient.shape[0], program.rows.shape[0], program.equalities)
+        space = self._workspaces.get(key)
+        if space is None:
+            space = self._workspaces[key] = _Workspace(*key)
+        return space
 
 
 @compiled

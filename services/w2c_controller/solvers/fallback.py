@@ -37,6 +37,12 @@ class FallbackSolver:
         """Bounds that hold with equality in the newest solution."""
         return 0 if self.last is None else int(np.count_nonzero(self.last.active))
 
+    def prepare(self, program: Program) -> None:
+        """Allocate what the first solver needs for programs of this shape."""
+        first = self.solvers[0]
+        if isinstance(first, ActiveSetSolver):
+            first.prepare(program)
+
     def solve(self, program: Program) -> Vector:
         """Return the optimum (n,), valid until the next call. Raises UnsolvedError if none does."""
         self.solves += 1
