@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from w2c.messages import JointCommand, RobotDescription, RobotState
 from w2c.messages.control import Phase
+from w2c_controller.body import Body
 from w2c_controller.desired import DesiredState
 from w2c_controller.events import Event, EventState
 from w2c_controller.filters import Blend
@@ -52,11 +53,16 @@ class Controller:
         """Of the Retargeting, of the force control."""
         self.retargeting = Retargeting(self.model, self.parameters, self.dt, self.solvers[0])
         self.force_control = ForceControl(self.model, self.parameters, self.dt, self.solvers[1])
-        self.requests = Requests(self.model.hand_radius)
         self._initial = np.array(description.initial_position)
         self._at_rest = Kinematics(self.model)
         self._at_rest.update_frames(
             standing_configuration(self.model, self._initial[self.model.joint_indices])
+        )
+        self.requests = Requests(
+            self.model.hand_radius,
+            self.parameters.limits,
+            Body(self.model),
+            self.posture,
         )
         self._neck = find_neck(description, self.model.model)
         self._gaze: Gaze | None = None
@@ -124,6 +130,10 @@ class Controller:
     def found(self, hazard: Hazard) -> None:
         """Take a hazard that was found outside: it holds until the next good tick. For the loop."""
         self._holds.found(hazard, self._tick)
+
+    def posture(self) -> Vector:
+        """Return a copy of the desired posture (nq,). From any thread."""
+        return self.retargeting.state.q.copy()
 
     def desired_copy(self, timeout_s: float) -> DesiredState:
         """Return a copy of the desired state. Raises GoalRefusedError when no tick comes."""

@@ -1,21 +1,32 @@
 """Goals on their way from the threads that serve calls to the tick that begins them.
 
 Admission reads a snapshot that the loop replaces once a tick, and appends to a deque: both are
-atomic in CPython, so neither side ever waits for the other.
+atomic in CPython, so the loop never waits. Threads that ask wait for each other.
 """
 
+import threading
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
 
 from w2c.errors import GoalRefusedError
 from w2c.messages import GoalReply, PlaceGoal, ReleaseGoal
+from w2c_controller.blocking import spoken
+from w2c_controller.body import Body
 from w2c_controller.contacts import Enabled
 from w2c_controller.desired import STANDING
-from w2c_controller.goals import Goal, check_end_effector, check_place
-from w2c_controller.parameters import EFFECTORS
+from w2c_controller.goals import NOMINAL, Goal, check_end_effector, check_place
+from w2c_controller.parameters import FEET, HANDS, Limits
+
+Vector = npt.NDArray[np.float64]
 
 FARTHEST_TICK = 30_000
 """How far ahead a goal may name its tick: a minute at 500 Hz."""
+REMEMBERED = 1000
+"""Ids of goals that were taken: the same goal again is a replay, not another wish."""
 
 
 @dataclass(frozen=True)
@@ -50,26 +61,52 @@ class Request:
 class Requests:
     """The slot between the two sides."""
 
-    def __init__(self, hand_radius: tuple[float, float]) -> None:
+    def __init__(
+        self,
+        hand_radius: tuple[float, float],
+        limits: Limits = NOMINAL,
+        body: Body | None = None,
+        posture: Callable[[], Vector] | None = None,
+    ) -> None:
+        """Begin without requests.
+
+        Args:
+            hand_radius: Of the hands, left and right [m].
+            limits: Of forces.
+            body: Where goals cannot be; None: not looked at.
+            posture: Returns the desired posture (nq,), a copy, in any thread.
+        """
         self.situation = Situation()
         self._hand_radius = hand_radius
+        self._limits = limits
+        self._body = body
+        self._posture = posture
         self._slot: deque[Request] = deque()
+        self._taken: deque[str] = deque(maxlen=REMEMBERED)
+        self._asking = threading.Lock()
+        """Among the threads that ask; the loop never takes it"""
 
     def place(self, message: PlaceGoal) -> GoalReply:
         """Admit a goal. Raises GoalRefusedError."""
-        goal = check_place(message, self._hand_radius)
-        self._admit(message.effective_tick, goal.effector)
-        return self._put(Request(goal.goal_id, goal.effector, message.effective_tick, goal))
+        goal = check_place(message, self._hand_radius, self._limits)
+        with self._asking:
+            self._admit(goal.goal_id, message.effective_tick, goal.effector)
+            self._check_support(goal.effector)
+            self._check_body(goal)
+            return self._put(Request(goal.goal_id, goal.effector, message.effective_tick, goal))
 
     def release(self, message: ReleaseGoal) -> GoalReply:
         """Admit a release. Raises GoalRefusedError."""
-        hand = check_end_effector(message.end_effector)
-        self._admit(message.effective_tick, hand)
-        if not self.situation.away[hand - 2] and message.effective_tick < 0:
-            raise GoalRefusedError(
-                f"the {message.end_effector.replace('_', ' ')} is at rest: nothing to release"
-            )
-        return self._put(Request(message.goal_id, hand, message.effective_tick, None))
+        effector = check_end_effector(message.end_effector)
+        with self._asking:
+            self._admit(message.goal_id, message.effective_tick, effector)
+            self._check_support(effector)
+            if message.effective_tick < 0 and not self._away(effector):
+                where = "in the air" if effector in FEET else "at rest"
+                raise GoalRefusedError(
+                    f"the {spoken(effector)} is {where} already: nothing to release"
+                )
+            return self._put(Request(message.goal_id, effector, message.effective_tick, None))
 
     def due(self, tick: int) -> list[Request]:
         """Take the requests that begin at this tick, in order of arrival. For the loop."""
@@ -85,17 +122,60 @@ class Requests:
         """Take all requests, due or not. For stop."""
         return [self._slot.popleft() for _ in range(len(self._slot))]
 
-    def conflict(self, hand: int) -> str:
-        """Return why a goal of this hand cannot begin now; "" = it can."""
+    def conflict(self, effector: int) -> str:
+        """Return why a goal of this end effector cannot begin now; "" = it can."""
         now = self.situation
-        if now.busy_id and now.busy_effector != hand:
+        if now.busy_id and now.busy_effector != effector:
             return (
-                f"the {EFFECTORS[now.busy_effector].replace('_', ' ')} is on its way "
+                f"the {spoken(now.busy_effector)} is on its way "
                 f"(goal '{now.busy_id}'); wait for it, or release it"
             )
-        return ""
+        return self.last_support(effector)
 
-    def _admit(self, effective_tick: int, hand: int) -> None:
+    def last_support(self, effector: int) -> str:
+        """Return why an end effector must stay in contact whatever the posture; "" = it need not.
+
+        Hands alone cannot carry the robot: without a foot there is no equilibrium.
+        """
+        enabled = self.situation.enabled
+        others = [k for k in FEET if enabled[k] and k != effector]
+        if effector in HANDS or not enabled[effector] or others:
+            return ""
+        leaning = [spoken(k) for k in HANDS if enabled[k]]
+        most = self._limits.hand_force_max
+        hands = (
+            f"the {' and the '.join(leaning)} at most {most:.0f} N each" if leaning else "no one"
+        )
+        return (
+            f"the {spoken(effector)} is the only foot on the ground, and without it {hands} would "
+            "carry the robot; put the other foot down first"
+        )
+
+    def _away(self, effector: int) -> bool:
+        """Return whether there is something to release."""
+        if effector in FEET:
+            return self.situation.enabled[effector]
+        return self.situation.away[effector - HANDS[0]]
+
+    def _check_support(self, effector: int) -> None:
+        reason = self.last_support(effector)
+        if reason:
+            raise GoalRefusedError(reason)
+
+    def _check_body(self, goal: Goal) -> None:
+        """Refuse points where the robot itself is."""
+        if self._body is None or self._posture is None:
+            return
+        self._body.place(self._posture())
+        found = self._body.inside(goal.point, goal.effector)
+        if found is not None:
+            capsule, depth = found
+            raise GoalRefusedError(
+                f"the point is inside the robot: {100 * depth:.0f} cm within the {capsule.part} "
+                f"(radius {100 * capsule.radius:.0f} cm); choose a point beside it"
+            )
+
+    def _admit(self, goal_id: str, effective_tick: int, effector: int) -> None:
         now = self.situation
         if not now.ready:
             raise GoalRefusedError("the controller has no state of the robot yet; try again")
@@ -111,17 +191,23 @@ class Requests:
             raise GoalRefusedError(
                 f"tick {effective_tick} is {effective_tick - now.tick} ahead, limit {FARTHEST_TICK}"
             )
-        conflict = self.conflict(hand) if effective_tick < 0 else ""
+        if goal_id in self._taken:
+            raise GoalRefusedError(
+                f"goal '{goal_id}' was taken already: a goal that comes again does not move the "
+                "robot again; give a new one another id"
+            )
+        conflict = self.conflict(effector) if effective_tick < 0 else ""
         if conflict:
             raise GoalRefusedError(conflict)
         for request in tuple(self._slot):
-            if request.effector != hand and effective_tick < 0 and request.start_tick < 0:
+            if request.effector != effector and effective_tick < 0 and request.start_tick < 0:
                 raise GoalRefusedError(
-                    f"goal '{request.goal_id}' of the other hand begins now; "
-                    "one hand moves at a time"
+                    f"goal '{request.goal_id}' of the {spoken(request.effector)} begins now; "
+                    "one end effector moves at a time"
                 )
 
     def _put(self, request: Request) -> GoalReply:
         self._slot.append(request)
+        self._taken.append(request.goal_id)
         start = request.start_tick if request.start_tick >= 0 else self.situation.tick + 1
         return GoalReply(goal_id=request.goal_id, start_tick=start)

@@ -132,6 +132,7 @@ def all_examples() -> dict[str, m.Message]:
             point=vector,
             normal=np.array([0.0, 0.0, 1.0]),
             effective_tick=7,
+            force=40.0,
             obstacles=field,
         ),
         m.HeightFieldRequest(frame_stamp_ns=5),

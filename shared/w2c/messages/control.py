@@ -50,6 +50,8 @@ class PlaceGoal(Message, frozen=True, kw_only=True):
     """(3,) of the surface, out of it, in the world"""
     effective_tick: int = -1
     """The tick at which the goal takes effect; -1 = as soon as it arrives."""
+    force: float = 0.0
+    """Normal force that a hand in contact pushes with [N]; 0 = its share, as balance finds best"""
     obstacles: HeightField | None = None
     """What the way must clear, as last seen; None: nothing is known of it"""
 
@@ -60,13 +62,15 @@ class PlaceGoal(Message, frozen=True, kw_only=True):
         length = float(np.linalg.norm(self.normal))
         if length < 1e-6:
             raise ValueError(f"normal: length {length:g}, expected a direction (length 1)")
+        if not 0.0 <= self.force < np.inf:
+            raise ValueError(f"force: {self.force:g} N, expected 0 or more")
         distance = float(np.linalg.norm(self.point))
         if distance > 10.0:
             raise ValueError(f"point: {distance:.1f} m from the origin, limit 10 m; unit is metres")
 
 
 class ReleaseGoal(Message, frozen=True, kw_only=True):
-    """Take a hand off its support, or out of its reach, and bring it back."""
+    """Take a hand off its support or out of its reach and bring it back; or lift a foot."""
 
     goal_id: Name
     end_effector: EndEffector

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from w2c.errors import GoalRefusedError
-from w2c.messages import EndEffector, PlaceGoal, ReleaseGoal, Task
+from w2c.messages import Array, EndEffector, PlaceGoal, ReleaseGoal, Task
+from w2c_controller.body import Body
 from w2c_controller.goals import check_end_effector, check_place
+from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
 from w2c_controller.requests import Requests, Situation
 
 RADIUS = (0.0, 0.05)
@@ -22,6 +24,7 @@ def _place(
     task: Task = "contact",
     effective_tick: int = -1,
     goal_id: str = "g",
+    force: float = 0.0,
 ) -> PlaceGoal:
     return PlaceGoal(
         goal_id=goal_id,
@@ -30,7 +33,18 @@ def _place(
         point=np.array(point),
         normal=np.array(normal),
         effective_tick=effective_tick,
+        force=max(force, 0.0),
     )
+
+
+def _step(
+    *,
+    point: tuple[float, float, float] = (0.15, 0.1, 0.0),
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0),
+    task: Task = "contact",
+    force: float = 0.0,
+) -> PlaceGoal:
+    return _place(point=point, normal=normal, hand="left_foot", task=task, force=force)
 
 
 def _broken(**changes: object) -> PlaceGoal:
@@ -57,7 +71,16 @@ def test_the_target_is_the_radius_above_the_surface() -> None:
         (_broken(normal=np.array([np.nan, 0.0, 1.0])), "normal"),
         (_broken(end_effector="tail"), "unknown"),
         (_broken(task="dance"), "unknown"),
-        (_place(hand="left_foot"), "stays where it is"),
+        (_broken(force=-1.0), "outside 10 to 150 N"),
+        (_broken(force=float("nan")), "outside 10 to 150 N"),
+        (_place(force=5.0), "outside 10 to 150 N"),
+        (_place(force=200.0), "outside 10 to 150 N"),
+        (_place(force=50.0, task="reach"), "hand in contact"),
+        (_step(force=50.0), "hand in contact"),
+        (_step(task="reach"), "a foot stands"),
+        (_step(point=(0.8, 0.1, 0.0)), "limit 0.6 m for a foot"),
+        (_step(point=(0.2, 0.1, 0.5)), "limit 0 to 0.4 m"),
+        (_step(normal=(0.5, 0.0, 0.8)), "limit 20 degrees"),
         (_place(point=(0.05, 0.0, 0.8)), "inside the robot"),
         (_place(point=(-0.5, 0.3, 0.8)), "behind"),
         (_place(point=(3.0, 0.0, 0.8)), "limit 2.0 m"),
@@ -110,6 +133,37 @@ def test_the_hand_that_moves_may_get_another_target() -> None:
     assert requests.place(_place()).start_tick == 101
 
 
+def test_a_goal_that_comes_again_is_refused() -> None:
+    requests = Requests(RADIUS)
+    requests.situation = READY
+    requests.place(_place())
+    with pytest.raises(GoalRefusedError, match="taken already"):
+        requests.place(_place())
+    with pytest.raises(GoalRefusedError, match="taken already"):
+        requests.release(ReleaseGoal(goal_id="g", end_effector="right_hand"))
+    assert len(requests.due(10**9)) == 1
+
+
+@pytest.mark.parametrize("leaning", [False, True])
+def test_the_only_foot_on_the_ground_stays(leaning: bool) -> None:
+    requests = Requests(RADIUS)
+    requests.situation = replace(READY, enabled=(True, False, leaning, False))
+    with pytest.raises(GoalRefusedError, match="150 N each" if leaning else "no one"):
+        requests.release(ReleaseGoal(goal_id="r", end_effector="left_foot"))
+    with pytest.raises(GoalRefusedError, match="only foot"):
+        requests.place(_step())
+    with pytest.raises(GoalRefusedError, match="in the air already"):
+        requests.release(ReleaseGoal(goal_id="r", end_effector="right_foot"))
+
+
+def test_one_of_two_feet_may_be_lifted_or_placed() -> None:
+    requests = Requests(RADIUS)
+    requests.situation = READY
+    requests.release(ReleaseGoal(goal_id="r", end_effector="left_foot"))
+    requests.place(_step())
+    assert [request.effector for request in requests.due(10**9)] == [0, 0]
+
+
 def test_two_goals_at_once_are_refused_for_two_hands() -> None:
     requests = Requests(RADIUS)
     requests.situation = READY
@@ -125,6 +179,44 @@ def test_a_goal_waits_for_its_tick() -> None:
     assert requests.due(104) == []
     assert [request.goal_id for request in requests.due(105)] == ["g"]
     assert requests.due(106) == []
+
+
+@pytest.mark.parametrize(
+    ("goal", "part"),
+    [
+        (_place(point=(0.13, 0.14, 0.42)), "left leg"),
+        (_place(point=(0.25, 0.40, 1.03)), "left arm"),
+        (_place(point=(0.22, 0.02, 1.25)), "trunk"),
+        (_step(point=(0.05, -0.01, 0.0)), "right foot"),
+    ],
+)
+def test_points_inside_the_robot_are_refused(
+    model: ControlledModel, joints: Array, goal: PlaceGoal, part: str
+) -> None:
+    bowing = joints.copy()
+    bowing[model.joint_names.index("torso_2_joint")] += 0.5 if part == "trunk" else 0.0
+    q = standing_configuration(model, bowing)
+    requests = Requests(RADIUS, body=Body(model), posture=q.copy)
+    requests.situation = READY
+    with pytest.raises(GoalRefusedError, match=f"inside the robot: .* cm within the {part}"):
+        requests.place(goal)
+    assert requests.due(10**9) == []
+
+
+def test_points_beside_the_robot_are_taken(model: ControlledModel, joints: Array) -> None:
+    q = standing_configuration(model, joints)
+    requests = Requests(RADIUS, body=Body(model), posture=q.copy)
+    requests.situation = READY
+    # Its own arm does not count: it will have moved away.
+    own_hand = tuple(float(value) for value in _hand(model, q))
+    for number, point in enumerate([(0.5, -0.25, 0.84), (0.3, 0.0, 0.8), own_hand]):
+        requests.place(_place(point=point, goal_id=str(number)))
+
+
+def _hand(model: ControlledModel, q: Array) -> Array:
+    kinematics = Kinematics(model)
+    kinematics.update_frames(q)
+    return kinematics.positions[3]
 
 
 def test_a_hand_at_rest_cannot_be_released() -> None:
