@@ -22,6 +22,7 @@ from w2c_controller.handout import Handout
 from w2c_controller.hands import Hands
 from w2c_controller.model import Kinematics, build_model, standing_configuration
 from w2c_controller.parameters import HANDS, Parameters
+from w2c_controller.payload import Payloads
 from w2c_controller.requests import Request, Requests, Situation
 from w2c_controller.retargeting import Retargeting
 from w2c_controller.safety import Hazard, Holds, SafetyReport
@@ -69,6 +70,9 @@ class Controller:
         self._hands: Hands
         self._switching: Switching
         self._loads = LoadEstimator(self.model, SENSE_EVERY * self.dt)
+        self._payloads = Payloads(
+            self.model, self.parameters.force_control, SENSE_EVERY * self.dt
+        )
         self._guards = Guards(
             description, joint_limits(description), self.parameters.guards, self.dt
         )
@@ -176,6 +180,9 @@ class Controller:
             self._holds.found(unknown_contacts(supports, measured), self._tick)
             return
         initial = self._initial[self.model.joint_indices]
+        free = (HANDS[0] not in supports, HANDS[1] not in supports)
+        self._payloads.begin(measured, free)
+        measured = self._payloads.relieve(measured)
         joints = starting_posture(state.position[self.model.joint_indices], initial, supports)
         self.retargeting.reset(joints, supports)
         self.retargeting.state.posture = initial.copy()
@@ -258,7 +265,11 @@ class Controller:
             return
         left, right = self.retargeting.state.enabled[:2]
         feet = (0, 1) if left == right else (0, 0) if left else (1, 1)
-        self._measured = self._loads.update(state, feet)
+        measured = self._loads.update(state, feet)
+        if self._started and self._switching.phase == "hold":
+            enabled = self.retargeting.state.enabled
+            self._payloads.learn(measured, (not enabled[HANDS[0]], not enabled[HANDS[1]]))
+        self._measured = self._payloads.relieve(measured)
         overload = self._guards.inspect_loads(self._measured, SENSE_EVERY * self.dt)
         if overload is not None:
             self._holds.found(overload, self._tick)

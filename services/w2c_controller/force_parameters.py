@@ -77,6 +77,10 @@ class ForceParameters:
     """Of a shrinking limit above the torque of the model [Nm]."""
     torque_growth: float = 10.0
     """Of a limit that grows back [Nm/s]."""
+    payload_least: float = 0.3
+    """A smaller mass on a free hand is none [kg]. Ours, not SEIKO's, as all of the payload."""
+    payload_rate: float = 0.1
+    """At which a free hand at rest learns its mass [kg/s]."""
     torque_hz: float = 2.0
     """Low-pass of measured torques, for these ratios."""
     hand_admittance: AdmittanceGains = AdmittanceGains(10.0, 0.003, 0.1)

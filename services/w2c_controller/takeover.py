@@ -17,6 +17,8 @@ FRESH_POSTURE = 0.05
 """A robot within this of its initial posture starts from it exactly [rad]."""
 LEANING_FORCE = 15.0
 """A hand that measures more at the start leans [N]."""
+HANGING = -0.7
+"""A force whose vertical share is below this is a load that hangs on the hand, no support."""
 
 
 def find_supports(measured: Measured) -> dict[int, Matrix]:
@@ -24,7 +26,8 @@ def find_supports(measured: Measured) -> dict[int, Matrix]:
     supports = {}
     for row, k in enumerate(HANDS):
         force = measured.hands[row]
-        if float(np.linalg.norm(force)) > LEANING_FORCE:
+        size = float(np.linalg.norm(force))
+        if size > LEANING_FORCE and force[2] > HANGING * size:
             supports[k] = frame_from_normal(force)
     return supports
 
