@@ -22,14 +22,20 @@ HOLD_S = 5.0
 RETURN_S = 90.0
 REST_S = 5.0
 
-LIMITS = {"cop_x": 0.08, "cop_y": 0.05, "torque_fraction": 0.9}
+LIMITS = {"cop_x": 0.08, "cop_y": 0.05, "torque_fraction": 0.85}
 """Of the controller in all modes. With its everyday margins (4 x 3 cm, 65 %) it stays so far from
 the physical limits that it survives without any force control."""
+TORQUE_RATIOS = {"torque_ratio": 0.95, "torque_ratio_release": 0.90}
+"""Of the adaptive torque limits: above what the posture is allowed to ask for."""
 FORCE_CONTROL: dict[Mode, str] = {
     "no_force_control": "off",
     "no_torque_limit": "no_torque_limit",
     "full": "full",
 }
+LEAD_TIME = 0.2
+"""The commanded point may run this far ahead of the hand [s]; the filter's own lag is 0.08 s."""
+JOINT_SHARE = 1.0
+"""Of the joints' speed limits that a hand speed of 1 m/s may need [s/m]."""
 NEVER = 1e6
 """A force that is not reached: the mass in the hand is no obstacle on its way [N]."""
 
@@ -37,12 +43,19 @@ NEVER = 1e6
 def trial_parameters(mode: Mode, speed: float) -> Any:
     """Return the controller's parameters of a trial: its own, at this speed and in this mode."""
     own = library("controller_parameters")()
+    limits, filters = own.limits, own.filters
     return replace(
         own,
-        limits=replace(own.limits, **LIMITS),
-        filters=replace(own.filters, speed=max(own.filters.speed, 1.25 * speed)),
+        limits=replace(
+            limits, velocity_fraction=max(limits.velocity_fraction, JOINT_SHARE * speed), **LIMITS
+        ),
+        filters=replace(
+            filters,
+            speed=max(filters.speed, 1.25 * speed),
+            lead_position=max(filters.lead_position, LEAD_TIME * speed),
+        ),
         motion=replace(own.motion, speed=speed, reach_speed=speed, bump_force=NEVER),
-        force_control=replace(own.force_control, mode=FORCE_CONTROL[mode]),
+        force_control=replace(own.force_control, mode=FORCE_CONTROL[mode], **TORQUE_RATIOS),
     )
 
 
