@@ -140,6 +140,7 @@ class ContactWatch:
             self.watched,
             measured.positions,
             measured.soles,
+            self._missing,
             self._numbers,
             self._places,
             self._told,
@@ -204,6 +205,7 @@ def _follow(
     watched: Flags,
     positions: Matrix,
     soles: Matrix,
+    missing: Vector,
     numbers: Vector,
     places: Matrix,
     told: Flags,
@@ -212,7 +214,7 @@ def _follow(
 ) -> int:
     """Update places and motions; returns 4 trouble + effector, or -1.
 
-    Of two feet that move against each other, the one that carries less is the one that slips.
+    What carries nothing does not slip. Of two feet that move against each other, the one that carries less is the one that slips.
     """
     slip_distance, share = numbers[1], numbers[2]
     found = NOTHING
@@ -235,7 +237,7 @@ def _follow(
             square += (place - places[k, i]) ** 2
             places[k, i] += share * (place - places[k, i])
         motion[k] = math.sqrt(square)
-        if motion[k] > slip_distance and not told[SLIPS, k]:
+        if motion[k] > slip_distance and measured[k] > missing[k] and not told[SLIPS, k]:
             told[SLIPS, k] = True
             slipping = 0 if k == 1 and measured[0] < measured[1] else k
             motion[slipping] = motion[k]
