@@ -39,8 +39,10 @@ class WrenchFeedback:
                 low_pass_gain(parameters.complementary_hz, dt),
                 low_pass_gain(parameters.rate_hz, dt),
                 depth * dt,
+                dt / parameters.fade_in if parameters.fade_in > 0.0 else 1.0,
             ]
         )
+        self._share = np.zeros(4)
         self._previous = np.zeros((4, 6))
         self._enabled = np.zeros(4, dtype=np.bool_)
         self._known = np.zeros(4, dtype=np.bool_)
@@ -55,6 +57,7 @@ class WrenchFeedback:
         """Start again; wrenches count as unknown until they are measured."""
         self._history[:] = np.nan
         self._known[:] = False
+        self._share[:] = 0.0
         self._previous[:] = desired.wrenches
         self.believed[:] = desired.wrenches
         self.rates[:] = 0.0
@@ -67,6 +70,7 @@ class WrenchFeedback:
             self._enabled[k] = enabled[k]
             if not self._known[k]:
                 self._history[:, k] = np.nan
+                self._share[k] = 0.0
 
     def step(self, desired: DesiredState, measured: Measured, model_rates: Matrix) -> None:
         """Update `effort_rates`.
@@ -84,6 +88,7 @@ class WrenchFeedback:
             desired.contact_rotations,
             self._enabled,
             self._known,
+            self._share,
             desired.wrenches,
             self._previous,
             model_rates,
@@ -144,6 +149,7 @@ def _step(
     surfaces: Matrix,
     enabled: Flags,
     known: Flags,
+    share: Vector,
     desired: Matrix,
     previous: Matrix,
     model_rates: Matrix,
@@ -153,8 +159,10 @@ def _step(
     effort_rates: Matrix,
 ) -> None:
     """Update one tick; `oldest` is the slot of the ring that is read, then overwritten."""
-    proportional, damping, slow, smooth, window = gains[0], gains[1], gains[2], gains[3], gains[4]
+    slow, smooth, window = gains[2], gains[3], gains[4]
     for k in range(4):
+        share[k] = min(share[k] + gains[5], 1.0)
+        proportional, damping = share[k] * gains[0], share[k] * gains[1]
         usable = True
         height = 6 if k < 2 else 3
         for i in range(height):

@@ -62,8 +62,10 @@ class ForceParameters:
     the published code adds it (here +0.005)."""
     complementary_hz: float = 0.2
     """Below it the wrench estimate is the measured one, above it the model's."""
-    wrench_hz: float = 10.0
-    """Low-pass of measured wrenches; SEIKO's is 5."""
+    fade_in: float = 2.0
+    """In which the feedback of a new contact grows to its full gain [s]. SEIKO blends the command
+    over this time. A touch is harder than the force that is wanted first: at full gain the hand
+    would be taken off again."""
     difference_time: float = 0.05
     """Over which the measured wrench rate is a difference [s]."""
     rate_hz: float = 10.0

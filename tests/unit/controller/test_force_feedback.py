@@ -14,7 +14,7 @@ from w2c_controller.sensing import Measured
 DT = 0.002
 LEANING = (True, True, False, True)
 STILL = np.zeros((4, 6))
-PLAIN = ForceParameters(proportional=0.2, damping=0.0, complementary_hz=0.2)
+PLAIN = ForceParameters(proportional=0.2, damping=0.0, complementary_hz=0.2, fade_in=0.0)
 
 
 @pytest.fixture
@@ -60,6 +60,19 @@ def test_a_missing_force_is_asked_for_in_the_contacts_frame(desired: DesiredStat
     for _ in range(3):
         feedback.step(desired, measured(desired, hand=20.0), STILL)
     np.testing.assert_allclose(feedback.effort_rates[3], [0, 0, 6.0, 0, 0, 0], atol=0.05)
+
+
+def test_the_feedback_of_a_new_contact_fades_in(desired: DesiredState) -> None:
+    feedback = started(desired, replace(PLAIN, fade_in=2.0))
+    for _ in range(2000):
+        feedback.step(desired, measured(desired, hand=20.0), STILL)
+    assert feedback.effort_rates[3, 2] == pytest.approx(6.0, abs=0.1)
+    feedback.switch((True, True, False, False))
+    feedback.switch(LEANING)
+    for ticks, rate in ((1, 0.0), (249, 1.5), (250, 3.0), (500, 6.0), (500, 6.0)):
+        for _ in range(ticks):
+            feedback.step(desired, measured(desired, hand=20.0), STILL)
+        assert feedback.effort_rates[3, 2] == pytest.approx(rate, abs=0.05)
 
 
 def test_damping_has_the_sign_it_is_given(desired: DesiredState) -> None:
