@@ -1,0 +1,1 @@
+"""How exactly a hand pushes, and whether the robot stands what it was not told."""
