@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.parameters import FEET, HANDS, Limits
+from w2c_controller.solvers.structure import Structure
 from w2c_controller.tree import Tree
 
 Vector = npt.NDArray[np.float64]
@@ -82,6 +83,30 @@ class ContactLayout:
             found = sorted({3, 4, 5} | above[i] | below | wrenches)
             columns[i, : len(found)] = found
         return columns
+
+    def structure(self, tree: Tree) -> Structure:
+        """Return the order in which a QP over these variables is eliminated: limb by limb.
+
+        A limb is a branch of the base with all its joints, the wrenches of its contacts, and the
+        equalities that fix them. The base and its equilibrium are the trunk. Equalities stand in
+        the order of the contacts, the equilibrium last.
+        """
+        branches = np.arange(tree.parents.size)
+        for body in range(1, branches.size):
+            if tree.parents[body] > 0:
+                branches[body] = branches[tree.parents[body]]
+        limbs = []
+        for branch in np.unique(branches[1:]):
+            wrenches, fixed, row = list[int](), list[int](), self.size
+            for k, where in self.slices.items():
+                size = where.stop - where.start
+                if branches[tree.effector_bodies[k]] == branch:
+                    wrenches += range(where.start, where.stop)
+                    fixed += range(row, row + size)
+                row += size
+            joints = [5 + int(body) for body in np.flatnonzero(branches == branch)[::-1]]
+            limbs.append([*wrenches, *joints, *fixed])
+        return Structure.of_limbs(self.size, self.equality_rows, limbs)
 
 
 def contact_sets() -> list[Enabled]:

@@ -49,7 +49,9 @@ class FlexibleProgram:
         self._dt = dt
         settings, limits, nj = parameters.force_control, parameters.limits, controlled.nj
         equalities = layout.equality_rows
-        self.program = Program.empty(layout.size, equalities, 2 * nj)
+        self.program = Program.empty(
+            layout.size, equalities, 2 * nj, layout.structure(controlled.tree)
+        )
         self._first_row = equalities
         self._columns = layout.torque_columns(controlled.tree)
         self._lag = np.zeros(nj)

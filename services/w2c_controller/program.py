@@ -62,7 +62,9 @@ class ProgramBuilder:
         self._nv, self._nj = nv, nj
         cone = self._make_cone()
         equalities = layout.equality_rows
-        self.program = Program.empty(layout.size, equalities, nj + cone.shape[0])
+        self.program = Program.empty(
+            layout.size, equalities, nj + cone.shape[0], layout.structure(controlled.tree)
+        )
         self.program.rows[equalities + nj :, nv:] = cone
         self.torque_rows = self.program.rows[equalities : equalities + nj]
         """T_J (nj, n): dtau/dt of a solution x is T_J x."""

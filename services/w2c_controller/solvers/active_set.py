@@ -17,8 +17,17 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.compiled import compiled
-from w2c_controller.solvers.kkt import eliminate, factorise, load, solve_positive, substitute
+from w2c_controller.solvers.kkt import (
+    dot,
+    eliminate,
+    factorise,
+    load,
+    solve_positive,
+    substitute,
+    subtract,
+)
 from w2c_controller.solvers.program import Flags, Matrix, Program, UnsolvedError, Vector
+from w2c_controller.solvers.structure import Structure
 
 Indices = npt.NDArray[np.intp]
 
@@ -41,18 +50,26 @@ _REASONS: Final = {
 
 
 class _Workspace:
-    """Arrays for programs of one shape."""
+    """Arrays for programs of one structure and number of rows."""
 
-    def __init__(self, size: int, rows: int, equalities: int) -> None:
-        total, most = size + equalities, size - equalities + 1
-        self.factor = np.zeros((total, total + 1))
+    def __init__(self, structure: Structure, rows: int) -> None:
+        size, total = structure.size, structure.total
+        most = 2 * size - total + 1
+        self.structure = (
+            structure.order,
+            structure.starts,
+            structure.place,
+            *structure.sources,
+        )
+        self.factor = np.zeros((total, structure.width))
         self.inverse = np.zeros(total)
+        self.right = np.zeros(total)
         self.columns = np.zeros((size + rows, total))
         """U^-T of the normal of a bound, filled when it is first active"""
+        self.ready = np.zeros(size + rows, dtype=np.int8)
         self.schur = np.zeros((most, most))
         self.vectors = np.zeros((4, most))
         self.point = np.zeros(total)
-        self.ready = np.zeros(size + rows, dtype=np.int8)
         self.multipliers = np.zeros(size + rows)
         self.working = np.zeros(most, dtype=np.intp)
         self.x = np.zeros(size)
@@ -62,7 +79,7 @@ class ActiveSetSolver:
     """Starts each program from the active set of its last optimum. Not for two threads."""
 
     def __init__(self) -> None:
-        self._workspaces: dict[tuple[int, int, int], _Workspace] = {}
+        self._workspaces: dict[tuple[Structure, int], _Workspace] = {}
         self.iterations = 0
         """Active sets tried, over all programs."""
         self._last: _Workspace | None = None
@@ -87,8 +104,10 @@ class ActiveSetSolver:
             program.upper,
             program.equalities,
             program.active,
+            *space.structure,
             space.factor,
             space.inverse,
+            space.right,
             space.columns,
             space.ready,
             space.schur,
@@ -106,7 +125,7 @@ class ActiveSetSolver:
         return space.x
 
     def _workspace(self, program: Program) -> _Workspace:
-        key = (program.gradient.shape[0], program.rows.shape[0], program.equalities)
+        key = (program.structure, program.rows.shape[0])
         space = self._workspaces.get(key)
         if space is None:
             space = self._workspaces[key] = _Workspace(*key)
@@ -122,8 +141,14 @@ def solve_active_set(
     upper: Vector,
     equalities: int,
     active: Flags,
+    order: Indices,
+    starts: Indices,
+    place: Indices,
+    from_hessian: Indices,
+    from_rows: Indices,
     factor: Matrix,
     inverse: Vector,
+    reached: Vector,
     columns: Matrix,
     ready: Flags,
     schur: Matrix,
@@ -139,9 +164,8 @@ def solve_active_set(
         How many sets were tried, or a negative reason.
     """
     n, m = gradient.shape[0], rows.shape[0]
-    total = n + equalities
-    load(factor, hessian, gradient, rows, upper, equalities)
-    if not factorise(factor, inverse, n, total):
+    load(hessian, gradient, rows, upper, order, starts, from_hessian, from_rows, factor)
+    if not factorise(factor, order, starts, n, inverse, reached):
         return _NOT_CONVEX
     for i in range(n + m):
         ready[i] = 0
@@ -150,25 +174,25 @@ def solve_active_set(
         count = _collect(active, working)
         if count < 0:
             return _CROWDED
-        _eliminate_new(factor, rows, working, count, equalities, columns, ready)
-        _complement(columns, working, inverse, count, n, schur, sizes, least)
+        _eliminate_new(factor, starts, place, rows, working, count, columns, ready)
+        _complement(columns, working, order, inverse, count, n, schur, sizes, least)
         for a in range(count):
             i = working[a]
-            right[a] = -upper[i] if active[i] > 0 else -lower[i]
-            for j in range(total):
-                right[a] += columns[i, j] * factor[j, total]
+            right[a] = dot(columns[i], reached) - (upper[i] if active[i] > 0 else lower[i])
         solve_positive(schur, right, least, used, count)
         for i in range(n + m):
             multipliers[i] = 0.0
         for a in range(count):
             multipliers[working[a]] = right[a]
-        if not _meet(factor, inverse, columns, working, right, count, point, x):
+        if not _meet(
+            factor, starts, place, inverse, reached, columns, working, right, count, point, x
+        ):
             return _NOT_CONVEX
         wrong = _release(active, working, right, sizes, used, count)
         wrong += _arrest(x, rows, lower, upper, equalities, active)
         if wrong == 0:
             for i in range(equalities):
-                multipliers[n + i] = point[n + i]
+                multipliers[n + i] = point[place[n + i]]
             return tried
     return _CYCLES
 
@@ -189,36 +213,39 @@ def _collect(active: Flags, working: Indices) -> int:
 @compiled
 def _eliminate_new(
     factor: Matrix,
+    starts: Indices,
+    place: Indices,
     rows: Matrix,
     working: Indices,
     count: int,
-    equalities: int,
     columns: Matrix,
     ready: Flags,
 ) -> None:
     """Fill U^-T c (N,) for each normal c in the set that was in no earlier one."""
     n = rows.shape[1]
-    total = n + equalities
     for a in range(count):
         i = working[a]
         if ready[i] != 0:
             continue
         ready[i] = 1
         column = columns[i]
-        for j in range(total):
+        for j in range(column.shape[0]):
             column[j] = 0.0
         if i < n:
-            column[n - 1 - i] = 1.0
+            column[place[i]] = 1.0
         else:
             for j in range(n):
-                column[n - 1 - j] = rows[i - n, j]
-        eliminate(factor, column, total)
+                column[place[j]] = rows[i - n, j]
+        eliminate(factor, starts, column)
 
 
 @compiled
 def _meet(
     factor: Matrix,
+    starts: Indices,
+    place: Indices,
     inverse: Vector,
+    reached: Vector,
     columns: Matrix,
     working: Indices,
     force: Vector,
@@ -231,17 +258,16 @@ def _meet(
     Returns:
         Whether it is finite.
     """
-    total, n = point.shape[0], x.shape[0]
-    for j in range(total):
-        point[j] = factor[j, total]
+    for j in range(point.shape[0]):
+        point[j] = 0.0
     for a in range(count):
-        column = columns[working[a]]
-        for j in range(total):
-            point[j] -= force[a] * column[j] * inverse[j]
-    substitute(factor, point, total)
+        subtract(point, force[a], columns[working[a]])
+    for j in range(point.shape[0]):
+        point[j] = reached[j] + point[j] * inverse[j]
+    substitute(factor, starts, point)
     finite = 0.0
-    for j in range(n):
-        x[j] = point[n - 1 - j]
+    for j in range(x.shape[0]):
+        x[j] = point[place[j]]
         finite += x[j]
     return bool(np.isfinite(finite))
 
@@ -250,6 +276,7 @@ def _meet(
 def _complement(
     columns: Matrix,
     working: Indices,
+    order: Indices,
     inverse: Vector,
     count: int,
     size: int,
@@ -258,19 +285,19 @@ def _complement(
     least: Vector,
 ) -> None:
     """Fill the upper triangle of S = C_W K^-1 C_W', its diagonal, and its least pivots."""
-    total = inverse.shape[0]
     for a in range(count):
         column = columns[working[a]]
         for b in range(a + 1):
             other = columns[working[b]]
             entry = 0.0
-            for j in range(total):
+            for j in range(inverse.shape[0]):
                 entry += column[j] * other[j] * inverse[j]
             schur[b, a] = entry
         sizes[a] = schur[a, a]
         alone = 0.0
-        for j in range(size):
-            alone += column[j] * column[j] * inverse[j]
+        for j in range(inverse.shape[0]):
+            if order[j] < size:
+                alone += column[j] * column[j] * inverse[j]
         least[a] = DEPENDENT * alone
 
 

@@ -1,14 +1,15 @@
-"""Compiled linear algebra of the active set solver: one sparse-skipping LDL' of the KKT matrix.
+"""Compiled linear algebra of the active set solver: LDL' of the KKT matrix, limb by limb.
 
     [H A'] [x ]   [-g]
     [A 0 ] [nu] = [ b]
 
-is quasi-definite for a positive definite H and independent rows A, so that it has LDL' factors for
-every order of its rows (Vanderbei, SIAM J. Optimization 1995). Variables are eliminated from the
-last to the first: those of a kinematic tree stand in depth-first order with the base first, and
-from leaf to root the factors fill in nothing (Featherstone, "Efficient Factorization of the
-Joint-Space Inertia Matrix for Branched Kinematic Trees", IJRR 2005). Zeros are skipped, so that
-the time follows the tree without the code knowing it. All inner loops run along rows in memory.
+has LDL' factors without row exchanges where H is positive definite and the equalities of each limb
+are independent on its own variables (Vanderbei, SIAM J. Optimization 1995). Eliminated from limb to
+trunk it fills in nothing but limbs and border (Featherstone, "Efficient Factorization of the
+Joint-Space Inertia Matrix for Branched Kinematic Trees", IJRR 2005).
+
+The factor is packed: a row of a limb holds the limb's columns, then those of the trunk, then the
+right-hand side; see `Structure`. All inner loops run along rows in memory.
 """
 
 import numpy as np
@@ -18,6 +19,7 @@ from w2c_controller.compiled import compiled
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
 
 LEAST_PIVOT = 1e-13
 """A pivot smaller than this share of its own diagonal entry means a dependent row."""
@@ -25,95 +27,130 @@ LEAST_PIVOT = 1e-13
 
 @compiled
 def load(
-    factor: Matrix,
     hessian: Matrix,
     gradient: Vector,
     rows: Matrix,
     right: Vector,
-    equalities: int,
+    order: Indices,
+    starts: Indices,
+    from_hessian: Indices,
+    from_rows: Indices,
+    factor: Matrix,
 ) -> None:
-    """Copy the KKT system into the upper triangle of `factor` (N, N + 1), its right side last.
+    """Copy the KKT system into the packed factor (N, width).
 
-    Variable j stands in row n - 1 - j, equality i in row n + i; N = n + equalities.
-
-    Args:
-        factor: Written.
-        hessian: (n, n) upper triangle.
-        gradient: (n,)
-        rows: (m, n) equalities first.
-        right: (n + m,) bounds of which those of the equalities are read.
-        equalities: Number of equalities.
+    `right` (n + m,) are bounds, of which those of the equalities are read; the indices are those
+    of `Structure`.
     """
-    n = gradient.shape[0]
-    total = n + equalities
-    for i in range(n):
-        row = n - 1 - i
-        for j in range(i + 1):
-            factor[row, n - 1 - j] = hessian[j, i]
-        for j in range(equalities):
-            factor[row, n + j] = rows[j, i]
-        factor[row, total] = -gradient[i]
-    for i in range(equalities):
-        for j in range(n + i, total):
-            factor[n + i, j] = 0.0
-        factor[n + i, total] = right[n + i]
+    size = gradient.shape[0]
+    flat = factor.reshape(factor.size)
+    for i in range(flat.shape[0]):
+        flat[i] = 0.0
+    for i in range(from_hessian.shape[0]):
+        flat[from_hessian[i, 0]] = hessian[from_hessian[i, 1], from_hessian[i, 2]]
+    for i in range(from_rows.shape[0]):
+        flat[from_rows[i, 0]] = rows[from_rows[i, 1], from_rows[i, 2]]
+    trunk = starts[starts.shape[0] - 2]
+    total = order.shape[0]
+    for block in range(starts.shape[0] - 1):
+        first, end = starts[block], starts[block + 1]
+        last = end - first + (total - trunk if end <= trunk else 0)
+        for row in range(first, end):
+            source = order[row]
+            factor[row, last] = -gradient[source] if source < size else right[source]
 
 
 @compiled
-def factorise(factor: Matrix, inverse: Vector, size: int, total: int) -> bool:
-    """Replace the upper triangle by U of U'DU, and the last column by D^-1 U^-T of it.
+def subtract(target: Vector, share: float, source: Vector) -> None:
+    """Subtract a share of a vector from another of the same length."""
+    for j in range(target.shape[0]):
+        target[j] -= share * source[j]
 
-    Args:
-        factor: (N, N + 1) in and out.
-        inverse: (N,) D^-1, out.
-        size: n, how many pivots must be positive; the others must be negative.
-        total: N
+
+@compiled
+def dot(a: Vector, b: Vector) -> float:
+    """Return the product of two vectors of the same length."""
+    product = 0.0
+    for j in range(a.shape[0]):
+        product += a[j] * b[j]
+    return product
+
+
+@compiled
+def factorise(
+    factor: Matrix, order: Indices, starts: Indices, size: int, inverse: Vector, right: Vector
+) -> bool:
+    """Replace the KKT matrix by U of U'DU.
+
+    `inverse` (N,) becomes D^-1 and `right` (N,) D^-1 U^-T of the right-hand side. Pivots of
+    variables must be positive, those of equalities negative.
 
     Returns:
-        Whether all pivots have their sign.
+        Whether they are.
     """
-    for k in range(total):
-        inverse[k] = LEAST_PIVOT * abs(factor[k, k])
-    for k in range(total):
-        pivot = factor[k, k]
-        least = inverse[k]
-        if k < size:
-            if not pivot > least:
+    trunk, total = starts[starts.shape[0] - 2], order.shape[0]
+    for block in range(starts.shape[0] - 1):
+        first, end = starts[block], starts[block + 1]
+        inside = end - first
+        border = total - trunk if end <= trunk else 0
+        length = inside + border + 1
+        for row in range(first, end):
+            right[row] = abs(factor[row, row - first])
+        for k in range(inside):
+            row = first + k
+            source = factor[row, :length]
+            pivot = source[k] if order[row] < size else -source[k]
+            if not pivot > LEAST_PIVOT * right[row]:
                 return False
-        elif not pivot < -least:
-            return False
-        share_of_pivot = 1.0 / pivot
-        inverse[k] = share_of_pivot
-        for i in range(k + 1, total):
-            entry = factor[k, i]
-            if entry != 0.0:
-                share = entry * share_of_pivot
-                for j in range(i, total + 1):
-                    factor[i, j] -= share * factor[k, j]
-        for j in range(k + 1, total + 1):
-            factor[k, j] *= share_of_pivot
+            share = 1.0 / source[k]
+            inverse[row] = share
+            for i in range(k + 1, inside):
+                if source[i] != 0.0:
+                    subtract(factor[first + i, i:length], source[i] * share, source[i:])
+            for i in range(border):
+                entry = source[inside + i]
+                if entry != 0.0:
+                    target = factor[trunk + i, i : border + 1]
+                    subtract(target, entry * share, source[inside + i :])
+            for j in range(k + 1, length):
+                source[j] *= share
+            right[row] = source[length - 1]
     return True
 
 
 @compiled
-def eliminate(factor: Matrix, column: Vector, total: int) -> None:
-    """Replace a column c (N,) by U^-T c."""
-    for k in range(total):
-        share = column[k]
-        if share != 0.0:
-            for j in range(k + 1, total):
-                column[j] -= share * factor[k, j]
+def eliminate(factor: Matrix, starts: Indices, column: Vector) -> None:
+    """Replace a column c (N,), in the order of elimination, by U^-T c."""
+    blocks, total = starts.shape[0] - 1, column.shape[0]
+    trunk = starts[blocks - 1]
+    for block in range(blocks):
+        first, end = starts[block], starts[block + 1]
+        inside = end - first
+        border = total - trunk if end <= trunk else 0
+        for k in range(inside):
+            share = column[first + k]
+            if share != 0.0:
+                source = factor[first + k]
+                subtract(column[first + k + 1 : end], share, source[k + 1 : inside])
+                subtract(column[trunk : trunk + border], share, source[inside : inside + border])
 
 
 @compiled
-def substitute(factor: Matrix, column: Vector, total: int) -> None:
-    """Replace a column y (N,) by U^-1 y."""
-    for i in range(total):
-        k = total - 1 - i
-        rest = column[k]
-        for j in range(k + 1, total):
-            rest -= factor[k, j] * column[j]
-        column[k] = rest
+def substitute(factor: Matrix, starts: Indices, column: Vector) -> None:
+    """Replace a column y (N,), in the order of elimination, by U^-1 y."""
+    blocks, total = starts.shape[0] - 1, column.shape[0]
+    trunk = starts[blocks - 1]
+    for back in range(blocks):
+        block = blocks - 1 - back
+        first, end = starts[block], starts[block + 1]
+        inside = end - first
+        border = total - trunk if end <= trunk else 0
+        for i in range(inside):
+            k = inside - 1 - i
+            source = factor[first + k]
+            column[first + k] -= dot(source[k + 1 : inside], column[first + k + 1 : end]) + dot(
+                source[inside : inside + border], column[trunk : trunk + border]
+            )
 
 
 @compiled
@@ -134,19 +171,16 @@ def solve_positive(matrix: Matrix, right: Vector, least: Vector, used: Vector, s
             right[k] = 0.0
             continue
         inverse = 1.0 / pivot
+        source = matrix[k, :size]
         for i in range(k + 1, size):
-            share = matrix[k, i] * inverse
+            share = source[i] * inverse
             if share != 0.0:
-                for j in range(i, size):
-                    matrix[i, j] -= share * matrix[k, j]
+                subtract(matrix[i, i:size], share, source[i:])
                 right[i] -= share * right[k]
         for j in range(k + 1, size):
-            matrix[k, j] *= inverse
+            source[j] *= inverse
         right[k] *= inverse
     for i in range(size):
         k = size - 1 - i
         if used[k] != 0.0:
-            rest = right[k]
-            for j in range(k + 1, size):
-                rest -= matrix[k, j] * right[j]
-            right[k] = rest
+            right[k] -= dot(matrix[k, k + 1 : size], right[k + 1 : size])

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import SolverError
+from w2c_controller.solvers.structure import Structure
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -38,12 +39,19 @@ class Program:
     """(n + m,) which bound the last optimum lay on: -1 lower, 1 upper, 0 none. A solver that can
     start from it does, so a program keeps it from one tick to the next."""
 
+    structure: Structure = field(default_factory=lambda: Structure.dense(0, 0))
+    """What H and A couple; entries of H beyond it are not read. By default all may be coupled."""
+
     def __post_init__(self) -> None:
+        if self.structure.total == 0:
+            self.structure = Structure.dense(self.size, self.equalities)
         if self.active.size != self.lower.size:
             self.active = np.zeros(self.lower.size, dtype=np.int8)
 
     @classmethod
-    def empty(cls, size: int, equalities: int, inequalities: int) -> "Program":
+    def empty(
+        cls, size: int, equalities: int, inequalities: int, structure: Structure | None = None
+    ) -> "Program":
         """Allocate a program without cost or bounds."""
         rows = equalities + inequalities
         return cls(
@@ -53,6 +61,7 @@ class Program:
             lower=np.full(size + rows, -UNBOUNDED),
             upper=np.full(size + rows, UNBOUNDED),
             equalities=equalities,
+            structure=Structure.dense(size, equalities) if structure is None else structure,
         )
 
     @property
