@@ -10,6 +10,7 @@ from w2c.errors import GeometryError, GoalRefusedError
 from w2c.geometry import unit
 from w2c.messages import EndEffector, PlaceGoal, Task
 from w2c_controller.parameters import EFFECTORS, FEET, HANDS, Limits
+from w2c_controller.terrain import Terrain
 
 Vector = npt.NDArray[np.float64]
 
@@ -29,6 +30,8 @@ HIGHEST_STEP = 0.4
 """[m]"""
 STEEPEST_GROUND = math.radians(20.0)
 """For a foot: the ankle must turn as far."""
+SAME_NORMAL = math.cos(math.radians(15.0))
+"""A goal whose normal differs less is at the same surface."""
 NOMINAL = Limits()
 
 
@@ -47,11 +50,18 @@ class Goal:
     """(3,) where the frame of the end effector is when it touches the point [m]"""
     force: float = 0.0
     """Normal force to push with [N]; 0: its share, as balance finds best"""
+    terrain: Terrain | None = None
+    """What the way must clear; None: nothing is known of it"""
 
     @property
     def effector(self) -> int:
         """Index of the end effector."""
         return EFFECTORS.index(self.end_effector)
+
+    def is_at(self, position: Vector, normal: Vector, within: float) -> bool:
+        """Return whether a contact at a position (3,) with a normal (3,) is what is asked for."""
+        off = float(np.linalg.norm(self.target - position))
+        return off < within and float(self.normal @ normal) > SAME_NORMAL
 
 
 def check_end_effector(name: str) -> int:

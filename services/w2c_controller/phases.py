@@ -21,6 +21,7 @@ from w2c_controller.routes import lift, retreat
 from w2c_controller.sensing import Measured
 from w2c_controller.stall import Standstill
 from w2c_controller.supervision import ContactWatch, Finding
+from w2c_controller.terrain import Terrain
 from w2c_controller.travel import Travel
 
 Vector = npt.NDArray[np.float64]
@@ -70,6 +71,8 @@ class Phases(Bookkeeping, ABC):
         """The goals that made the contacts of now"""
         self._away = dict.fromkeys(range(4), UP)
         """Back the way each came: along the normal of a contact, against reaching fingers"""
+        self._terrains: dict[int, Terrain | None] = dict.fromkeys(range(4))
+        """What the way back of each must clear, as known when it came"""
         self._travel = Travel(hands, self._motion, parameters.filters.lead_position, self._dt)
         self._pushes = {k: PushCommand(parameters.push, self._dt) for k in HANDS}
         self._watch = ContactWatch(self._supervision, sense_period)
@@ -133,8 +136,9 @@ class Phases(Bookkeeping, ABC):
             self._travel.start(k, lift(start, self._away[k], motion))
         else:
             self._hands.relax(k)
-            rest = self._hands.rest[k]
-            self._travel.start(k, retreat(start, self._away[k], rest, motion))
+            rest, velocity = self._hands.rest[k], self._hands.velocity(k)
+            way = retreat(start, self._away[k], rest, motion, velocity, self._terrains[k])
+            self._travel.start(k, way)
         self._enter("retreat")
 
     def _enter(self, phase: GoalPhase) -> None:

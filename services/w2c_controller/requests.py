@@ -13,13 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import GoalRefusedError
-from w2c.messages import GoalReply, PlaceGoal, ReleaseGoal
+from w2c.messages import GoalReply, HeightField, PlaceGoal, ReleaseGoal
 from w2c_controller.blocking import spoken
 from w2c_controller.body import Body
 from w2c_controller.contacts import Enabled
 from w2c_controller.desired import STANDING
 from w2c_controller.goals import NOMINAL, Goal, check_end_effector, check_place
 from w2c_controller.parameters import FEET, HANDS, Limits
+from w2c_controller.planner import RoutePlanner
 
 Vector = npt.NDArray[np.float64]
 
@@ -67,6 +68,7 @@ class Requests:
         limits: Limits = NOMINAL,
         body: Body | None = None,
         posture: Callable[[], Vector] | None = None,
+        planner: RoutePlanner | None = None,
     ) -> None:
         """Begin without requests.
 
@@ -75,12 +77,14 @@ class Requests:
             limits: Of forces.
             body: Where goals cannot be; None: not looked at.
             posture: Returns the desired posture (nq,), a copy, in any thread.
+            planner: Of ways around what a goal says stands there; None: not looked at.
         """
         self.situation = Situation()
         self._hand_radius = hand_radius
         self._limits = limits
         self._body = body
         self._posture = posture
+        self._planner = planner
         self._slot: deque[Request] = deque()
         self._taken: deque[str] = deque(maxlen=REMEMBERED)
         self._asking = threading.Lock()
@@ -93,6 +97,7 @@ class Requests:
             self._admit(goal.goal_id, message.effective_tick, goal.effector)
             self._check_support(goal.effector)
             self._check_body(goal)
+            goal = self._plan(goal, message.obstacles)
             return self._put(Request(goal.goal_id, goal.effector, message.effective_tick, goal))
 
     def release(self, message: ReleaseGoal) -> GoalReply:
@@ -174,6 +179,13 @@ class Requests:
                 f"the point is inside the robot: {100 * depth:.0f} cm within the {capsule.part} "
                 f"(radius {100 * capsule.radius:.0f} cm); choose a point beside it"
             )
+
+    def _plan(self, goal: Goal, field: HeightField | None) -> Goal:
+        """Return the goal with what its way must clear. Raises GoalRefusedError where it cannot."""
+        if field is None or self._planner is None or self._posture is None:
+            return goal
+        leaves = self.situation.enabled[goal.effector]
+        return self._planner.plan(goal, field, self._posture(), leaves=leaves)
 
     def _admit(self, goal_id: str, effective_tick: int, effector: int) -> None:
         now = self.situation

@@ -146,7 +146,6 @@ class StaticSearch:
     def stands(self) -> bool:
         """Return whether the state found is an equilibrium on contacts that did not move."""
         state, kinematics = self.state, self.kinematics
-        kinematics.update_frames(state.q)
         kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
         moved = [
             float(np.linalg.norm(kinematics.positions[k] - state.target_positions[k]))

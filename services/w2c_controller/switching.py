@@ -9,11 +9,10 @@ a foot is lifted a little and stays there. A hand that leans already and gets an
 same place goes from contact to load. Every phase that waits has a limit, and says why it gave up.
 """
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
+from w2c.errors import GoalRefusedError
 from w2c.geometry import unit
 from w2c_controller.events import Event
 from w2c_controller.goals import Goal
@@ -26,9 +25,6 @@ from w2c_controller.supervision import Finding
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
-
-SAME_NORMAL = math.cos(math.radians(15.0))
-"""A goal whose normal differs less is at the same surface."""
 
 
 class Switching(Phases):
@@ -102,14 +98,14 @@ class Switching(Phases):
     # --- beginnings ------------------------------------------------------------------------------
     def _leans_there(self, goal: Goal) -> bool:
         """Return whether the hand of a goal leans at its point already."""
-        if goal.effector in FEET or self._retargeting.state.releasing[goal.effector]:
+        k, state = goal.effector, self._retargeting.state
+        if k in FEET or state.releasing[k]:
             return False
-        normal = self.feelers.normals[goal.effector]
-        places = [self._retargeting.state.target_positions[goal.effector]]
-        if goal.effector in self._contacts:
-            places.append(self._contacts[goal.effector].target)
-        off = min(float(np.linalg.norm(goal.target - place)) for place in places)
-        return off < self._motion.same_contact and float(goal.normal @ normal) > SAME_NORMAL
+        places = [state.target_positions[k]]
+        if k in self._contacts:
+            places.append(self._contacts[k].target)
+        normal, within = state.contact_rotations[k][:, 2], self._motion.same_contact
+        return any(goal.is_at(place, normal, within) for place in places)
 
     def _begin_again(self, goal: Goal) -> None:
         """Change the force of a contact that exists."""
@@ -135,7 +131,18 @@ class Switching(Phases):
             self._hands.rotations[k] = _sole_on(goal.normal, forward)
         else:
             self._hands.relax(k)
-        self._travel.start(k, approach(goal, self._hands.position(k), self._motion_of(k)))
+        start, velocity = self._hands.position(k), self._hands.velocity(k)
+        try:
+            path = approach(goal, start, velocity, self._motion_of(k))
+        except GoalRefusedError as error:
+            # The hand has left the place from which the way was planned.
+            self._emit("aborted", str(error))
+            self._forget_goal()
+            self._hands.stop(k)
+            self._enter("hold")
+            return
+        self._terrains[k] = goal.terrain
+        self._travel.start(k, path)
         self._enter("approach")
         self._emit("moving")
 
