@@ -52,17 +52,18 @@ class Simulator:
         self._velocity_index = np.array([model.joint(name).dofadr[0] for name in names])
         self._actuator_index = np.array([model.actuator(name).id for name in names])
         self._base = int(model.joint("base").qposadr[0])
-        self._soles = tuple(
+        soles = [
             ForceTorqueSensor(model, f"{side}_sole", frame, frame)
             for side, frame in zip(("left", "right"), talos.SOLE_FRAMES, strict=True)
-        )
-        self._wrist = ForceTorqueSensor(
+        ]
+        wrist = ForceTorqueSensor(
             model,
             "left_wrist",
             talos.WRIST_SENSOR_LINK,
             talos.HAND_FRAMES[0],
             unknown=left_hand_mass,
         )
+        self._wrenches = (*soles, wrist)
         self._orientation = sensor_slice(model, "imu_orientation")
         self._angular_velocity = sensor_slice(model, "imu_angular_velocity")
         self._acceleration = sensor_slice(model, "imu_linear_acceleration")
@@ -145,15 +146,17 @@ class Simulator:
         noise, data = self._noise, self._data
         if self._noisy:  # of seed and tick alone: the same tick can be read twice
             self._generator = np.random.default_rng((self._seed, self._tick))
+        wrenches = self._read_wrenches()
+        w, x, y, z = data.sensordata[self._orientation].tolist()
         return RobotState(
             stamp_ns=self._tick * self._period_ns,
             tick=self._tick,
             position=self._read(data.qpos[self._position_index], noise.position),
             velocity=self._read(data.qvel[self._velocity_index], noise.velocity),
             torque=self._read(data.qfrc_actuator[self._velocity_index], noise.torque),
-            sole_wrenches=np.stack([self._wrench(sole, noise) for sole in self._soles]),
-            left_wrist_wrench=self._wrench(self._wrist, noise),
-            imu_orientation=np.roll(data.sensordata[self._orientation], -1),  # wxyz to xyzw
+            sole_wrenches=wrenches[:2],
+            left_wrist_wrench=wrenches[2],
+            imu_orientation=np.array([x, y, z, w]),
             imu_angular_velocity=self._read(
                 data.sensordata[self._angular_velocity], noise.angular_velocity
             ),
@@ -185,11 +188,14 @@ class Simulator:
             return np.array(value)
         return np.asarray(value + deviation * self._generator.standard_normal(value.shape))
 
-    def _wrench(self, sensor: ForceTorqueSensor, noise: Noise) -> Array:
-        wrench = sensor.read(self._data)
-        return np.concatenate(
-            [self._read(wrench[:3], noise.force), self._read(wrench[3:], noise.moment)]
-        )
+    def _read_wrenches(self) -> Array:
+        """Return the wrenches of the soles and of the left wrist (3, 6)."""
+        noise = self._noise
+        wrenches = np.array([sensor.read(self._data) for sensor in self._wrenches])
+        if self._noisy:
+            wrenches[:, :3] = self._read(wrenches[:, :3], noise.force)
+            wrenches[:, 3:] = self._read(wrenches[:, 3:], noise.moment)
+        return wrenches
 
     def _movable_objects(self) -> dict[str, tuple[float, float, float]]:
         """Return the positions of what has a free joint and is not the robot."""
