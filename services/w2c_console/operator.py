@@ -1,11 +1,13 @@
 """What the operator can do, as calls on the bus."""
 
+import logging
 import time
 from collections.abc import Sequence
 from typing import Protocol
 
 from w2c import topics
 from w2c.bus import Bus
+from w2c.errors import UnavailableError
 from w2c.messages import (
     ConfirmRequest,
     Empty,
@@ -17,6 +19,9 @@ from w2c.messages import (
 from w2c_console.journal import turn_entry
 from w2c_console.page import TurnEntry
 from w2c_console.stop import StopLine, StopOutcome, deliver_stop
+
+
+log = logging.getLogger("w2c.console")
 
 
 class Operator(Protocol):
@@ -62,8 +67,14 @@ class BusOperator:
         return deliver_stop(self._stop_lines, reason)
 
     def resume(self) -> StopReply:
-        """Let the robot follow commands again."""
-        return self._bus.call(topics.ROBOT_RESUME, Empty()).message
+        """Let the robot follow commands again, and the controller give them."""
+        reply = self._bus.call(topics.ROBOT_RESUME, Empty()).message
+        try:
+            self._bus.call(topics.CONTROLLER_RESUME, Empty())
+        except UnavailableError:
+            # A controller that is not there holds nothing; the page shows that it is absent.
+            log.info("resumed without a controller")
+        return reply
 
 
 def _entry(turn: Turn) -> TurnEntry:

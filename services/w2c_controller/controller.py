@@ -6,10 +6,13 @@ The offset winds up the springs of position-controlled joints so that the contac
 desired state wants them to (`ForceControl`). Without it a hand touches, and carries nothing.
 """
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from w2c.messages import JointCommand, RobotDescription, RobotState
+from w2c.messages import ControllerSnapshot, JointCommand, RobotDescription, RobotState
 from w2c.messages.control import Phase
 from w2c_controller.body import Body
 from w2c_controller.desired import DesiredState
@@ -23,21 +26,34 @@ from w2c_controller.hands import Hands
 from w2c_controller.model import Kinematics, build_model, standing_configuration
 from w2c_controller.parameters import HANDS, Parameters
 from w2c_controller.payload import Payloads
+from w2c_controller.planner import RoutePlanner
 from w2c_controller.requests import Request, Requests, Situation
 from w2c_controller.retargeting import Retargeting
 from w2c_controller.safety import Hazard, Holds, SafetyReport
 from w2c_controller.sensing import LoadEstimator, Measured
+from w2c_controller.snapshot import capture_controller, refusal
 from w2c_controller.solvers import FallbackSolver
+from w2c_controller.state_tree import SnapshotError, restore
+from w2c_controller.stop import Stop
 from w2c_controller.summary import Snapshot, summarize
 from w2c_controller.switching import Switching
-from w2c_controller.takeover import find_supports, starting_posture, unknown_contacts
+from w2c_controller.takeover import (
+    find_supports,
+    follow_command,
+    starting_posture,
+    unknown_contacts,
+)
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 
 FOREIGN_COMMAND = 0.03
 """A command in force that differs more from ours is not ours: go on from it [rad]."""
-STOPPED = "stopped by the operator"
+OWN = (
+    "requests", "description", "parameters", "model", "solvers", "_events", "_holds", "_stop",
+    "_handout", "_at_rest", "_initial", "_offered", "begun",
+)  # fmt: skip
+"""What a controller that goes on from a snapshot has of its own."""
 AWAY = 0.05
 """A hand farther from its rest can be released [m]."""
 
@@ -64,15 +80,14 @@ class Controller:
             self.parameters.limits,
             Body(self.model),
             self.posture,
+            RoutePlanner(self.model, self._at_rest, self.parameters.motion),
         )
         self._neck = find_neck(description, self.model.model)
         self._gaze: Gaze | None = None
         self._hands: Hands
         self._switching: Switching
         self._loads = LoadEstimator(self.model, SENSE_EVERY * self.dt)
-        self._payloads = Payloads(
-            self.model, self.parameters.force_control, SENSE_EVERY * self.dt
-        )
+        self._payloads = Payloads(self.model, self.parameters.force_control, SENSE_EVERY * self.dt)
         self._guards = Guards(
             description, joint_limits(description), self.parameters.guards, self.dt
         )
@@ -87,11 +102,22 @@ class Controller:
         self._tick = 0
         self._solved = True
         self._aborted = False
-        self._frozen = False
-        self._resume_asked = False
+        self._stop = Stop()
         self._adopts_contacts = False
-        self._stop_reason = STOPPED
-        self._handout = Handout()
+        self._handout: Handout[DesiredState] = Handout()
+        self._offered: tuple[ControllerSnapshot, str] | None = None
+        self.begun = ""
+        """How this controller began with the robot, for the log"""
+
+    @property
+    def started(self) -> bool:
+        """Whether the robot was taken over."""
+        return self._started
+
+    @property
+    def command(self) -> Vector:
+        """Return the answer to the last tick (n,), a copy [rad]."""
+        return self._command.copy()
 
     @property
     def switching(self) -> Switching:
@@ -106,7 +132,8 @@ class Controller:
         """
         self._tick = state.tick
         self._guard_state(state)
-        self._obey_stop(state)
+        if self._stop.obey(state.mode, self._holds, self._tick):
+            self._adopts_contacts = True
         if not self._started:
             self._take_over(state)
         if self._holds:
@@ -118,18 +145,39 @@ class Controller:
         self._solve()
         self._command_joints()
         self._publish_situation()
-        self._handout.serve(self.retargeting.state)
+        self._handout.serve(self.retargeting.state.copy)
         return self._answer()
+
+    def export(self) -> Any:
+        """Return all that is needed to go on from this tick, bit by bit."""
+        return capture_controller(self, OWN)
+
+    def restore(self, tree: Any, state: RobotState) -> None:
+        """Go on from where another controller of this robot was.
+
+        Raises:
+            SnapshotError: this is the state of something else. Make a new controller.
+        """
+        self._begin(self._initial[self.model.joint_indices], {}, state)
+        restore(self, tree)
+
+    def offer(self, snapshot: ControllerSnapshot, robot_boot_id: str) -> None:
+        """Before the first tick: begin from a snapshot of a controller that is no more.
+
+        Args:
+            snapshot: Its newest.
+            robot_boot_id: Of the robot that sends the states now.
+        """
+        self._offered = snapshot, robot_boot_id
 
     # --- asked for from other threads ------------------------------------------------------------
     def freeze(self, reason: str) -> None:
         """Hold from the next tick on, until an operator says resume. From any thread."""
-        self._stop_reason = f"stopped: {reason}" if reason else STOPPED
-        self._frozen = True
+        self._stop.ask(reason)
 
     def resume(self) -> None:
         """End holds that wait for an operator at the next tick. From any thread."""
-        self._resume_asked = True
+        self._stop.resume()
 
     def found(self, hazard: Hazard) -> None:
         """Take a hazard that was found outside: it holds until the next good tick. For the loop."""
@@ -166,7 +214,7 @@ class Controller:
         """Return what the controller does now."""
         switching = self._switching if self._started else None
         return summarize(
-            self._tick, self._phase(), self._message(), self.retargeting, switching, self._measured
+            self._tick, self.phase, self._message(), self.retargeting, switching, self._measured
         )
 
     # --- start, hold and go on -------------------------------------------------------------------
@@ -175,21 +223,50 @@ class Controller:
         if self._holds:
             return
         measured = self._loads.update(state)
+        why_not = self._begin_from_snapshot(state, measured)
+        if self._started:
+            return
         supports = find_supports(measured)
         if supports and not self._adopts_contacts:
-            self._holds.found(unknown_contacts(supports, measured), self._tick)
+            self._holds.found(unknown_contacts(supports, measured, why_not), self._tick)
             return
         initial = self._initial[self.model.joint_indices]
-        free = (HANDS[0] not in supports, HANDS[1] not in supports)
-        self._payloads.begin(measured, free)
-        measured = self._payloads.relieve(measured)
         joints = starting_posture(state.position[self.model.joint_indices], initial, supports)
+        self._begin(joints, supports, state)
+        self._measured = measured
+        self.begun = f"leaning with {len(supports)} hands" if supports else "standing"
+
+    def _begin_from_snapshot(self, state: RobotState, measured: Measured) -> str:
+        """Go on where another controller was, contacts kept; returns why not, "" = done or none."""
+        if self._offered is None:
+            return ""
+        snapshot, robot_boot_id = self._offered
+        why = refusal(snapshot, state, robot_boot_id, measured)
+        if why:
+            return why
+        self._offered = None
+        try:
+            self.restore(snapshot.state, state)
+        except SnapshotError as error:
+            self._started = False
+            return str(error)
+        self._tick, self._measured, self._aborted = state.tick, measured, False
+        change = (state.command - snapshot.command)[self.model.joint_indices]
+        if change.any():
+            follow_command(self.retargeting, change)
+            self.force_control.settle(self.retargeting)
+        self._abort_goals("the controller was restarted; hands stay where they are")
+        self._rejoin(state)
+        self.begun = f"from the snapshot of tick {snapshot.tick}"
+        return ""
+
+    def _begin(self, joints: Vector, supports: Mapping[int, Matrix], state: RobotState) -> None:
+        """Stand in a posture (nj,) [rad], leaning on these hands, from the command in force."""
         self.retargeting.reset(joints, supports)
-        self.retargeting.state.posture = initial.copy()
+        self.retargeting.state.posture = self._initial[self.model.joint_indices].copy()
         self.force_control.reset(self.retargeting)
         self._hands = Hands(self.retargeting, self._at_rest)
         self._switching = Switching(self.retargeting, self._hands, SENSE_EVERY * self.dt)
-        self._measured = measured
         if self._neck is not None:
             self._gaze = Gaze(self._neck, state.command[self._neck.bus_indices], self.dt)
         self._rejoin(state)
@@ -202,23 +279,6 @@ class Controller:
             self._holds.advance(self._tick)
         for hazard in self._guards.inspect(state, first=not self._started):
             self._holds.found(hazard, self._tick)
-
-    def _obey_stop(self, state: RobotState) -> None:
-        """Hold while the driver is stopped or a stop was asked for; an operator ends holds."""
-        if state.mode == "stopped":
-            # From here on the driver's own mode says when to go on.
-            self._frozen = self._resume_asked = False
-            self._holds.found(Hazard("stopped", self._stop_reason), self._tick)
-            return
-        if self._resume_asked:
-            self._frozen = False
-        if self._frozen:
-            self._holds.found(Hazard("stopped", self._stop_reason), self._tick)
-        elif self._resume_asked or self._holds.active("stopped"):
-            self._adopts_contacts = self._holds.active("no_snapshot")
-            self._stop_reason = STOPPED
-            self._holds.resume(self._tick)
-        self._resume_asked = False
 
     def _hold(self, state: RobotState) -> JointCommand:
         """Keep the command in force; goals wait, or are aborted where this is more than a pause."""
@@ -351,7 +411,9 @@ class Controller:
             return self._holds.text()
         return "" if self._solved else "no solution of the balance problem: the robot holds"
 
-    def _phase(self) -> Phase:
+    @property
+    def phase(self) -> Phase:
+        """Return what is under way."""
         if self._holds:
             return "stopped" if self._holds.active("stopped") else "held"
         if not self._started or (not self._blend.done and self._switching.phase == "hold"):

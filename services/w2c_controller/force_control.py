@@ -111,7 +111,7 @@ class ForceControl:
         except SolverError:
             self.failures += 1
             self._rates[:] = 0.0
-            self._settle(retargeting)
+            self.settle(retargeting)
             return False
         program.advance(x, flexible, self._rates)
         return True
@@ -128,9 +128,9 @@ class ForceControl:
                 self._rates[k] = 0.0
         flexible.enabled = desired.enabled
         self.feedback.switch(desired.enabled)
-        self._settle(retargeting)
+        self.settle(retargeting)
 
-    def _settle(self, retargeting: Retargeting) -> None:
+    def settle(self, retargeting: Retargeting) -> None:
         """Bring the flexible robot to the equilibrium of its command, or leave it as it is."""
         desired, before = retargeting.state, self.flexible.copy()
         command = desired.q[7:] + before.offset

@@ -17,6 +17,7 @@ from w2c.bus.interface import CallContext
 from w2c.clock import Clock
 from w2c.errors import CallError, ConnectionFailedError, ControlError, UnavailableError
 from w2c.messages import (
+    ControllerSnapshot,
     Empty,
     GoalReply,
     JointCommand,
@@ -31,10 +32,16 @@ from w2c.messages import (
 )
 from w2c.realtime import CONTROLLER_PRIORITY, NOT_ASKED, collector_off, real_time
 from w2c_controller.config import ControllerConfig
+from w2c_controller.contacts import Enabled
 from w2c_controller.controller import Controller
+from w2c_controller.desired import STANDING
 from w2c_controller.feed import StateFeed
+from w2c_controller.goals import check_end_effector
+from w2c_controller.handout import Handout
+from w2c_controller.keeper import Keeper
 from w2c_controller.preview import preview
 from w2c_controller.qp_meter import QpMeter
+from w2c_controller.removal import check_removal, stays_there
 from w2c_controller.reports import Reports
 from w2c_controller.safety import Hazard
 from w2c_controller.search import StaticSearch
@@ -44,6 +51,10 @@ STATUS_EVERY = 25
 """Ticks between two status messages: 20 Hz."""
 STATISTICS_EVERY = 250
 """Ticks between two reports of statistics: 2 Hz."""
+SNAPSHOT_EVERY = 500
+"""Ticks between two snapshots: 1 Hz."""
+SNAPSHOT_PHASE = 137
+"""Not a tick that reports something else."""
 POLL_S = 0.1
 RETRY_S = 0.2
 SWITCH_INTERVAL_S = 0.0003
@@ -69,6 +80,13 @@ class ControllerNode:
         self._feed: StateFeed | None = None
         self._granted = NOT_ASKED
         self._reports = Reports(bus)
+        self._keeper = Keeper(bus, config.run_directory)
+        self._snapshots: Handout[ControllerSnapshot] = Handout()
+        self._last = self._keeper.last()
+        self._kept: tuple[str, Enabled] = "", STANDING
+        self._begun = ""
+        self._searching = threading.Lock()
+        """Among the threads of calls; the loop never takes it"""
         self._switch_interval = sys.getswitchinterval()
 
     @property
@@ -93,6 +111,7 @@ class ControllerNode:
         self._bus.serve(topics.CONTROLLER_STOP, self._stop)
         self._bus.serve(topics.CONTROLLER_RESUME, self._resume)
         self._bus.serve(topics.PREVIEW, self._preview)
+        self._bus.serve(topics.SNAPSHOT, lambda _request, _context: self._snapshots.ask(1.0))
 
     def run(self, stop: threading.Event) -> None:
         """Answer states until `stop`."""
@@ -105,6 +124,7 @@ class ControllerNode:
             if self._granted.trouble:
                 log.warning("the loop may be late: %s", self._granted.trouble)
             self._reports.start()
+            self._keeper.start()
             while not stop.is_set():
                 received = self._next_state()
                 if received is None:
@@ -115,6 +135,7 @@ class ControllerNode:
     def close(self) -> None:
         """Tell what waits, and give the interpreter back as it was."""
         self._reports.stop()
+        self._keeper.stop()
         sys.setswitchinterval(self._switch_interval)
 
     # --- the loop --------------------------------------------------------------------------------
@@ -171,6 +192,34 @@ class ControllerNode:
                 stamp_ns, state.tick, self._timing, self._feed, self._skipped, self._meters,
                 self._collector.runs, self._granted,
             )  # fmt: skip
+        if controller.begun != self._begun:
+            self._begun = controller.begun
+            reports.log(logging.WARNING, f"took over {self._begun}")
+        self._keep_snapshot(state)
+
+    def _keep_snapshot(self, state: RobotState) -> None:
+        """Take a snapshot once a second, when something switched, and when somebody asks."""
+        controller = self.controller
+        now = controller.phase, controller.retargeting.state.enabled
+        switched = now != self._kept
+        periodic = state.tick % SNAPSHOT_EVERY == SNAPSHOT_PHASE
+        if not controller.started or not (switched or periodic or self._snapshots):
+            return
+        self._kept = now
+        reason = "switch" if switched else "periodic" if periodic else "request"
+        snapshot = ControllerSnapshot(
+            stamp_ns=state.stamp_ns,
+            tick=state.tick,
+            reason=reason,
+            robot_boot_id=self._boot_id,
+            controller_boot_id=self._bus.boot_id,
+            phase=controller.phase,
+            in_contact=controller.retargeting.state.enabled,
+            command=controller.command,
+            state=controller.export(),
+        )
+        self._keeper.keep(snapshot)
+        self._snapshots.serve(lambda: snapshot)
 
     def _note_silence(self) -> None:
         """Say once that states stopped coming; nothing is commanded meanwhile."""
@@ -215,6 +264,9 @@ class ControllerNode:
             log.warning("the robot restarted: taking over anew")
             self._build(self._describe())
         self._boot_id = boot_id
+        if self._last is not None:
+            self.controller.offer(self._last, boot_id)
+            self._last = None
 
     def _build(self, description: RobotDescription) -> None:
         self._description = description
@@ -241,10 +293,28 @@ class ControllerNode:
 
     # --- calls, each on a thread of its own ------------------------------------------------------
     def _place(self, request: PlaceGoal, _: CallContext) -> GoalReply:
+        self._check_removal(request.end_effector, request)
         return self.controller.requests.place(request)
 
     def _release(self, request: ReleaseGoal, _: CallContext) -> GoalReply:
+        self._check_removal(request.end_effector)
         return self.controller.requests.release(request)
+
+    def _check_removal(self, end_effector: str, goal: PlaceGoal | None = None) -> None:
+        """Refuse to take away a contact without which the robot would not stand.
+
+        On a copy of the desired state, before the loop hears of it. What cannot begin anyway is
+        left to the admission, which says why.
+        """
+        controller, contact = self.controller, check_end_effector(end_effector)
+        now = controller.requests.situation
+        moves = now.ready and not (now.stopped or now.stale or now.holding)
+        if not moves or not now.enabled[contact] or controller.requests.last_support(contact):
+            return
+        state = controller.desired_copy(timeout_s=1.0)
+        with self._searching:
+            if goal is None or not stays_there(self._search, state, goal):
+                check_removal(self._search, state, contact)
 
     def _stop(self, request: StopRequest, context: CallContext) -> StopReply:
         """Hold at once, and have the driver hold, which outlives this process."""
@@ -271,4 +341,6 @@ class ControllerNode:
 
     def _preview(self, request: PlaceGoal, _: CallContext) -> PreviewReply:
         """Search on a copy of the desired state; the loop goes on meanwhile."""
-        return preview(self._search, self.controller.desired_copy(timeout_s=1.0), request)
+        state = self.controller.desired_copy(timeout_s=1.0)
+        with self._searching:
+            return preview(self._search, state, request)

@@ -183,15 +183,22 @@ def stop(arguments: list[str] | None = None) -> int:
 
 
 class ResumeConfig(Connection, frozen=True, kw_only=True):
-    """Let the robot follow commands again after a stop."""
+    """Let the robot move again, after a stop or where the controller holds and asks."""
 
 
 def resume(arguments: list[str] | None = None) -> int:
-    """End a stop."""
+    """End a stop, and what else the controller holds for. Exit status 1 = it still holds."""
     config = parse(ResumeConfig, arguments or [], program="w2c resume")
     with _connect(config) as bus:
         print(f"the robot is {bus.call(topics.ROBOT_RESUME, Empty()).message.mode}")
-    return 0
+        try:
+            reply = bus.call(topics.CONTROLLER_RESUME, Empty()).message
+        except CallError as error:
+            sys.stderr.write(f"the controller does not answer: {error}\n")
+            return 0
+    if reply.holding:
+        sys.stderr.write(f"the controller still holds: {reply.text}\n")
+    return 1 if reply.holding else 0
 
 
 def _connect(config: Connection) -> "_OperatorBus":

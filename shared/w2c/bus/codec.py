@@ -19,7 +19,7 @@ ENVELOPE_VERSION = 1
 ARRAY_EXTENSION = 1
 MAX_BYTES = 64_000_000
 MAX_DIMENSIONS = 4
-_DTYPES = {"<f8", "<f4", "<i8", "<i4", "<u8", "<u4", "<u2", "|u1", "|b1"}
+_DTYPES = {"<f8", "<f4", "<i8", "<i4", "<u8", "<u4", "<u2", "|u1", "|i1", "|b1"}
 
 M = TypeVar("M", bound=Message)
 
