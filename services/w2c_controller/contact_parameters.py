@@ -26,11 +26,11 @@ class Push:
 class Supervision:
     """When a contact counts as lost, slipping or overloaded. Ours: SEIKO does not look."""
 
-    lost_desired: tuple[float, float] = (50.0, 8.0)
+    lost_desired: tuple[float, float] = (50.0, 20.0)
     """Foot, hand: a contact that shall carry more is missed [N]."""
     lost_measured: tuple[float, float] = (10.0, 3.0)
     """Foot, hand: a contact that carries less has no ground [N]."""
-    lost_time: float = 0.15
+    lost_time: float = 0.2
     """[s]"""
     slip_distance: float = 0.004
     """Of motion against the feet within `slip_window` [m]. A ball that rolls as the arm turns

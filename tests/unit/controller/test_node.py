@@ -15,10 +15,12 @@ from w2c.messages import (
     ControllerStatus,
     Empty,
     PlaceGoal,
+    ReleaseGoal,
     StopRequest,
 )
 from w2c_controller.config import ControllerConfig
 from w2c_controller.node import ControllerNode
+from w2c_controller.search import StaticSearch
 from w2c_sim_robot.config import RobotConfig
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import build_model
@@ -117,6 +119,21 @@ def test_goals_previews_and_stop_over_the_bus(cell: Cell) -> None:
         cell.operator.call(topics.PLACE, _reach((0.6, 0.3, 1.0)))
     cell.operator.call(topics.ROBOT_RESUME, Empty())
     cell.wait_status("hold")
+
+
+def test_a_contact_that_must_stay_is_refused_before_anything_moves(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cell.wait_status("hold")
+    lift = ReleaseGoal(goal_id="lift", end_effector="left_foot")
+    with monkeypatch.context() as patched:
+        patched.setattr(StaticSearch, "free", lambda _search, _contact: False)
+        with pytest.raises(RefusedError, match="left foot cannot be taken off its support"):
+            cell.operator.call(topics.RELEASE, lift)
+    assert cell.events.receive(0.0) is None
+    assert cell.operator.call(topics.RELEASE, lift).message.goal_id == "lift"
+    status = cell.wait_status("unload")
+    assert status.in_contact == (True, True, False, False)
 
 
 def test_without_a_robot_the_controller_says_how_to_start_one() -> None:
