@@ -41,6 +41,13 @@ class AdmittanceGains:
     """[m/s/N]"""
     speed: float
     """[m/s]"""
+    return_speed: float = 0.02
+    """Back to the target once the force is gone [m/s]. Ours: SEIKO's operators steer speeds, and
+    have no target to return to."""
+    farthest: float = 0.1
+    """From the target [m]. Ours."""
+    zero_time: float = 1.0
+    """Time constant with which a steady reading becomes the zero [s]. Ours."""
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,8 @@ class Hands:
             k: HandFilter(filters, retargeting.dt, kinematics.positions[k], kinematics.rotations[k])
             for k in range(4)
         }
+        self.displacements = np.zeros((4, 3))
+        """(4, 3) of the targets, by which end effectors give way to forces [m]"""
         self._fixed = [False] * 4
         """Which were contacts in the last tick"""
 
@@ -80,11 +82,13 @@ class Hands:
                 kinematics.positions[k],
                 kinematics.rotations[k],
             )
-            state.target_positions[k] = self._filters[k].position
+            # Behind the filter, whose delay would make a hand on a hard surface swing.
+            state.target_positions[k] = self._filters[k].position + self.displacements[k]
             state.target_rotations[k] = self._filters[k].rotation
 
     def _reset(self, effector: int) -> None:
         kinematics = self._retargeting.kinematics
+        self.displacements[effector] = 0.0
         self._filters[effector].reset(
             kinematics.positions[effector], kinematics.rotations[effector]
         )
