@@ -34,7 +34,7 @@ FORCE_CONTROL: dict[Mode, str] = {
 }
 LEAD_TIME = 0.2
 """The commanded point may run this far ahead of the hand [s]; the filter's own lag is 0.08 s."""
-JOINT_SHARE = 1.0
+JOINT_SHARE = 0.75
 """Of the joints' speed limits that a hand speed of 1 m/s may need [s/m]."""
 NEVER = 1e6
 """A force that is not reached: the mass in the hand is no obstacle on its way [N]."""
