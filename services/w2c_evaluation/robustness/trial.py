@@ -34,8 +34,6 @@ FORCE_CONTROL: dict[Mode, str] = {
 }
 LEAD_TIME = 0.2
 """The commanded point may run this far ahead of the hand [s]; the filter's own lag is 0.08 s."""
-JOINT_SHARE = 0.75
-"""Of the joints' speed limits that a hand speed of 1 m/s may need [s/m]."""
 NEVER = 1e6
 """A force that is not reached: the mass in the hand is no obstacle on its way [N]."""
 
@@ -43,12 +41,10 @@ NEVER = 1e6
 def trial_parameters(mode: Mode, speed: float) -> Any:
     """Return the controller's parameters of a trial: its own, at this speed and in this mode."""
     own = library("controller_parameters")()
-    limits, filters = own.limits, own.filters
+    filters = own.filters
     return replace(
         own,
-        limits=replace(
-            limits, velocity_fraction=max(limits.velocity_fraction, JOINT_SHARE * speed), **LIMITS
-        ),
+        limits=replace(own.limits, **LIMITS),
         filters=replace(
             filters,
             speed=max(filters.speed, 1.25 * speed),
