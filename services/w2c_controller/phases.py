@@ -136,7 +136,8 @@ class Phases(Bookkeeping, ABC):
             self._travel.start(k, lift(start, self._away[k], motion))
         else:
             self._hands.relax(k)
-            rest, velocity = self._hands.rest[k], self._hands.velocity(k)
+            start, velocity = self._travel.present(k)
+            rest = self._hands.rest[k]
             way = retreat(start, self._away[k], rest, motion, velocity, self._terrains[k])
             self._travel.start(k, way)
         self._enter("retreat")

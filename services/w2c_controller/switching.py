@@ -9,6 +9,8 @@ a foot is lifted a little and stays there. A hand that leans already and gets an
 same place goes from contact to load. Every phase that waits has a limit, and says why it gave up.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -131,7 +133,7 @@ class Switching(Phases):
             self._hands.rotations[k] = _sole_on(goal.normal, forward)
         else:
             self._hands.relax(k)
-        start, velocity = self._hands.position(k), self._hands.velocity(k)
+        start, velocity = self._travel.present(k)
         try:
             path = approach(goal, start, velocity, self._motion_of(k))
         except GoalRefusedError as error:
@@ -141,7 +143,8 @@ class Switching(Phases):
             self._hands.stop(k)
             self._enter("hold")
             return
-        self._terrains[k] = goal.terrain
+        # The way back needs what is known of the terrain; the goal, which is kept long, does not.
+        self._terrains[k], self.goal = goal.terrain, replace(goal, terrain=None)
         self._travel.start(k, path)
         self._enter("approach")
         self._emit("moving")

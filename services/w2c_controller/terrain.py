@@ -22,6 +22,7 @@ from w2c_controller.trajectory import Leg, leg_point
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
+Heights = npt.NDArray[np.float32]
 
 SURROUNDINGS = 0.35
 """Around the target, what is not higher than its surface is no obstacle [m]."""
@@ -64,11 +65,11 @@ class Terrain:
     """Floors for the balls of one arm on its way to one target."""
 
     arm: Arm
-    obstacles: Matrix
+    obstacles: Heights
     """(rows, columns) heights of what must be cleared; `FREE` where there is nothing [m]"""
-    travel_floor: Matrix
+    travel_floor: Heights
     """(rows, columns) for the way, with clearance [m]"""
-    room_floor: Matrix
+    room_floor: Heights
     """(rows, columns) for the last leg, to the surface [m]"""
     origin: Vector
     """(2,) corner of cell [0, 0] [m]"""
@@ -111,7 +112,7 @@ def lowest_margin(
     duration: float,
     rate: float,
     drift: Vector,
-    floor: Matrix,
+    floor: Heights,
     origin: Vector,
     cell: float,
     elbow: Vector,
@@ -188,9 +189,9 @@ def make_terrain(
     )
     return Terrain(
         arm=arm,
-        obstacles=obstacles,
-        travel_floor=np.ascontiguousarray(travel),
-        room_floor=_grow(obstacles, arm.radius, field.cell),
+        obstacles=obstacles.astype(np.float32),
+        travel_floor=travel.astype(np.float32),
+        room_floor=_grow(obstacles, arm.radius, field.cell).astype(np.float32),
         origin=np.array(field.origin),
         cell=float(field.cell),
         clearance=clearance,

@@ -60,6 +60,30 @@ def leg_point(
 
 
 @compiled
+def leg_velocity(
+    points: Vector, duration: float, rate: float, drift: Vector, time: float, out: Vector
+) -> None:
+    """Write the velocity (3,) of a leg at a time since its start [m/s]; zero outside."""
+    out[:] = 0.0
+    if 0.0 <= time <= duration:
+        u = time / duration
+        s, rest = progress(u, rate), 1.0 - progress(u, rate)
+        slow = (1.0 - u) * (1.0 - u) * (rate + 2.0 * rate * u + (30.0 - 15.0 * rate) * u * u)
+        a, b, c = 3.0 * rest * rest, 6.0 * s * rest, 3.0 * s * s
+        for i in range(3):
+            out[i] = (slow / duration) * (
+                a * (points[1, i] - points[0, i])
+                + b * (points[2, i] - points[1, i])
+                + c * (points[3, i] - points[2, i])
+            )
+    braking = min(BRAKING_TIME, duration)
+    if 0.0 <= time <= braking:
+        x = time / braking
+        for i in range(3):
+            out[i] += (1.0 - x) * (1.0 - x) * (1.0 - 4.0 * x) * drift[i]
+
+
+@compiled
 def _fastest(points: Vector, rate: float, before: Vector, after: Vector) -> float:
     """Return the top speed on the curve for a duration of 1 s [m/s]; the last two are scratch."""
     fastest = 0.0
@@ -93,10 +117,11 @@ class Leg:
         leg_point(self.points, self.duration, self.rate, self.drift, time, point)
         return point
 
-    def start_velocity(self) -> Vector:
-        """Return the velocity (3,) at the start [m/s]."""
-        along = 3.0 * self.rate / self.duration * (self.points[1] - self.points[0])
-        return np.asarray(along + self.drift)
+    def velocity(self, time: float) -> Vector:
+        """Return the velocity (3,) at a time since the start of the leg [m/s]; zero outside."""
+        velocity = np.empty(3)
+        leg_velocity(self.points, self.duration, self.rate, self.drift, time, velocity)
+        return velocity
 
 
 def make_leg(points: Vector, speed: float, velocity: Vector | None = None) -> Leg:
@@ -152,6 +177,10 @@ class Path:
     def position(self) -> Vector:
         """Return the point (3,) now."""
         return self.legs[self._leg].position(self._time)
+
+    def velocity(self) -> Vector:
+        """Return the velocity (3,) now, of a follower that does not wait [m/s]."""
+        return self.legs[self._leg].velocity(self._time)
 
     def advance(self, dt: float) -> None:
         """Move the clock; a leg that is done gives way to the next."""

@@ -1,12 +1,15 @@
 """An end effector on a path: the path's clock waits for it, and tells when it is stuck."""
 
 import numpy as np
+import numpy.typing as npt
 
 from w2c_controller.hands import Hands
 from w2c_controller.parameters import HANDS, Motion
 from w2c_controller.routes import at
 from w2c_controller.stall import StallDetector
 from w2c_controller.trajectory import Path
+
+Vector = npt.NDArray[np.float64]
 
 
 class Travel:
@@ -26,6 +29,7 @@ class Travel:
         self._dt = dt
         self._stall = StallDetector(motion, dt)
         self._effector = HANDS[0]
+        self._keeps_up = True
         self.path: Path = at(hands.position(self._effector))
 
     def start(self, effector: int, path: Path) -> None:
@@ -34,10 +38,23 @@ class Travel:
         self._hands.targets[effector] = path.position()
         self._stall.reset()
 
+    def present(self, effector: int) -> tuple[Vector, Vector]:
+        """Return where a new path must begin so that the target goes on as it moves.
+
+        Returns:
+            Point (3,) [m] and velocity (3,) [m/s]: of the path that the end effector is on, or of
+            the end effector itself where it is on none.
+        """
+        point = self.path.position()
+        if effector == self._effector and (point == self._hands.targets[effector]).all():
+            return point, self.path.velocity() if self._keeps_up else np.zeros(3)
+        return self._hands.position(effector), self._hands.velocity(effector)
+
     def follow(self) -> bool:
         """Advance by one tick while the end effector keeps up. Returns whether it is stuck."""
         position = self._hands.position(self._effector)
-        if float(np.linalg.norm(self.path.position() - position)) < self._lead:
+        self._keeps_up = float(np.linalg.norm(self.path.position() - position)) < self._lead
+        if self._keeps_up:
             self.path.advance(self._dt)
             self._stall.reset()
         self._hands.targets[self._effector] = self.path.position()

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.tabletop import CELL, ORIGIN, TABLE, table
 from w2c.errors import GoalRefusedError
 from w2c.messages import HeightField, Task
 from w2c_controller.goals import Goal
@@ -27,9 +28,6 @@ from w2c_controller.trajectory import Leg
 
 UP = np.array([0.0, 0.0, 1.0])
 AT_REST = np.zeros(3)
-CELL = 0.02
-ORIGIN = (0.1, -1.0)
-TABLE = 0.8
 START = np.array([0.25, -0.40, 1.0])
 ARM = Arm(
     radius=0.06,
@@ -37,21 +35,6 @@ ARM = Arm(
     shoulder=np.array([-0.03, -0.29, 1.37]),
     reach=0.95,
 )
-
-
-def table(*boxes: tuple[float, float, float, float, float]) -> HeightField:
-    """Return a table from x = 0.4 on, with boxes (x, y, length, width, height of the top)."""
-    heights = np.full((80, 100), np.nan, np.float32)
-    heights[15:, :] = TABLE
-    for x, y, length, width, top in boxes:
-        rows = slice(
-            *(round((edge - ORIGIN[0]) / CELL) for edge in (x - length / 2, x + length / 2))
-        )
-        columns = slice(
-            *(round((edge - ORIGIN[1]) / CELL) for edge in (y - width / 2, y + width / 2))
-        )
-        heights[rows, columns] = top
-    return HeightField(stamp_ns=0, origin=ORIGIN, cell=CELL, heights=heights)
 
 
 def goal_at(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from w2c_controller.goals import Goal
 from w2c_controller.parameters import Motion
 from w2c_controller.routes import DIRECT, approach, curve, retreat
-from w2c_controller.trajectory import Leg, Path, make_leg, straight
+from w2c_controller.trajectory import Path, make_leg, straight
 
 DT = 0.002
 UP = np.array([0.0, 0.0, 1.0])
@@ -98,10 +98,15 @@ points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
 velocities = st.tuples(*[st.floats(-0.12, 0.12)] * 3).map(np.array)
 
 
-def _velocity(leg: Leg, time: float) -> np.ndarray:
-    """Return the velocity of a leg by central differences."""
-    step = 1e-5
-    return (leg.position(time + step) - leg.position(time - step)) / (2 * step)
+@given(start=points, end=points, velocity=velocities, share=st.floats(0.01, 0.99))
+def test_the_velocity_of_a_leg_is_the_difference_of_its_positions(
+    start: np.ndarray, end: np.ndarray, velocity: np.ndarray, share: float
+) -> None:
+    leg = curve(start, velocity, end, UP, DIRECT, 0.18)
+    time, step = share * leg.duration, 1e-6
+    difference = (leg.position(time + step) - leg.position(time - step)) / (2 * step)
+    np.testing.assert_allclose(leg.velocity(time), difference, atol=1e-5)
+    np.testing.assert_array_equal(leg.velocity(leg.duration + 0.1), 0.0)
 
 
 @given(start=points, end=points, velocity=velocities)
@@ -114,7 +119,7 @@ def test_a_leg_begins_with_the_velocity_of_the_hand_and_ends_at_rest(
     ending = (leg.position(leg.duration) - leg.position(leg.duration - step)) / step
     np.testing.assert_allclose(leg.position(0.0), start, atol=1e-12)
     np.testing.assert_allclose(beginning, velocity, atol=1e-4)
-    np.testing.assert_allclose(leg.start_velocity(), velocity, atol=1e-12)
+    np.testing.assert_allclose(leg.velocity(0.0), velocity, atol=1e-12)
     np.testing.assert_allclose(leg.position(leg.duration), end, atol=1e-12)
     np.testing.assert_allclose(ending, 0.0, atol=1e-4)
 
@@ -137,14 +142,14 @@ def test_a_goal_that_changes_on_the_way_is_followed_without_a_jump_of_velocity()
     old = approach(_goal("contact"), np.array([0.27, -0.45, 0.95]), AT_REST, Motion())
     leg = old.legs[0]
     when = 0.45 * leg.duration
-    before = _velocity(leg, when)
+    before = leg.velocity(when)
     assert np.linalg.norm(before) > 0.1
     moved = replace(_goal("contact"), target=_goal("contact").target + np.array([0.0, 0.1, 0.0]))
     new = approach(moved, leg.position(when), before, Motion())
     np.testing.assert_allclose(new.position(), leg.position(when), atol=1e-12)
-    np.testing.assert_allclose(new.legs[0].start_velocity(), before, atol=1e-12)
+    np.testing.assert_allclose(new.velocity(), before, atol=1e-12)
     slowest = min(
-        float(np.linalg.norm(_velocity(new.legs[0], time)))
+        float(np.linalg.norm(new.legs[0].velocity(time)))
         for time in np.linspace(1e-4, 0.3 * new.legs[0].duration, 50)
     )
     assert slowest > 0.3 * np.linalg.norm(before), "it goes on, it does not stop and start again"
@@ -160,4 +165,4 @@ def test_a_leg_against_the_motion_turns_round_within_a_hand_width() -> None:
 def test_a_leg_of_no_length_with_a_velocity_comes_to_rest() -> None:
     leg = make_leg(np.tile(POINT, (4, 1)), 0.18, np.array([0.1, 0.0, 0.0]))
     np.testing.assert_allclose(leg.position(leg.duration), POINT, atol=1e-12)
-    np.testing.assert_allclose(leg.start_velocity(), [0.1, 0.0, 0.0])
+    np.testing.assert_allclose(leg.velocity(0.0), [0.1, 0.0, 0.0])
