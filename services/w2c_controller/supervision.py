@@ -237,7 +237,11 @@ def _follow(
             square += (place - places[k, i]) ** 2
             places[k, i] += share * (place - places[k, i])
         motion[k] = math.sqrt(square)
-        if motion[k] > slip_distance and measured[k] > missing[k] and not told[SLIPS, k]:
+        moves = motion[k] > slip_distance and measured[k] > missing[k]
+        if k >= 2 and motion[1] > 0.5 * slip_distance:
+            # The feet, which its place is measured against, move themselves.
+            moves = False
+        if moves and not told[SLIPS, k]:
             told[SLIPS, k] = True
             slipping = 0 if k == 1 and measured[0] < measured[1] else k
             motion[slipping] = motion[k]

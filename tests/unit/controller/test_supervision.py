@@ -1,0 +1,180 @@
+"""Contacts that do not hold: lost, slipping, overloaded, or met where none should be."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from fakes.contact_world import ContactWorld, make_goal
+from w2c.messages import Array
+from w2c_controller.contact_parameters import Supervision
+from w2c_controller.model import ControlledModel
+from w2c_controller.parameters import LEFT_FOOT, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND
+
+TABLE = 0.84
+BOOK = (0.45, -0.30, TABLE)
+CUP = (1.3, 0.2, 0.95)
+"""Out of reach: the left hand is under way for long."""
+LIMITS = Supervision()
+ALONG = np.array([1.0, 0.0, 0.0])
+
+
+@pytest.fixture
+def leaning(model: ControlledModel, joints: Array) -> ContactWorld:
+    """The right hand leans, the left is on its way to a cup."""
+    world = ContactWorld(model, joints, {RIGHT_HAND: TABLE})
+    world.switching.place(make_goal(BOOK, goal_id="lean"))
+    assert world.run(30.0, "loaded") == "loaded"
+    world.run(2.0)
+    world.switching.place(make_goal(CUP, "left_hand", task="reach", goal_id="cup"))
+    world.run(1.5)
+    assert world.findings == []
+    return world
+
+
+def seconds_until(world: ContactWorld, done: Callable[[], bool], limit: float) -> float:
+    """Run until something is so; returns the time it took [s]."""
+    for tick in range(round(limit / world.dt)):
+        if done():
+            return tick * world.dt
+        world.run(world.dt)
+    raise AssertionError(f"not within {limit} s")
+
+
+def test_a_hand_that_lost_its_support_is_unloaded_and_the_robot_holds(
+    leaning: ContactWorld,
+) -> None:
+    where = leaning.hands.position(RIGHT_HAND)
+    leaning.gone.add(RIGHT_HAND)
+    waited = seconds_until(leaning, lambda: bool(leaning.findings), 1.0)
+    assert waited == pytest.approx(LIMITS.lost_time, abs=0.03)
+    assert [finding.cause for finding in leaning.findings] == ["contact_lost"]
+    leaning.run(0.02)
+    assert leaning.told()[-2:] == [("lean", "aborted"), ("cup", "aborted")]
+    assert "right hand lost its support" in leaning.events[-1].reason
+    free = seconds_until(leaning, lambda: not leaning.retargeting.state.enabled[RIGHT_HAND], 15.0)
+    assert free > 1.0  # by the same ramp as any unloading: the feet must take it
+    leaning.run(3.0)
+    assert leaning.switching.phase == "hold"
+    assert np.linalg.norm(leaning.hands.position(RIGHT_HAND) - where) < 0.02
+    assert leaning.retargeting.failures == 0
+    assert len(leaning.findings) == 1
+
+
+def test_a_lost_foot_holds_and_stays_a_contact(leaning: ContactWorld) -> None:
+    leaning.gone.add(LEFT_FOOT)
+    leaning.run(0.5)
+    assert [(found.cause, found.effector) for found in leaning.findings] == [
+        ("contact_lost", LEFT_FOOT)
+    ]
+    assert leaning.told()[-1] == ("cup", "aborted")
+    leaning.run(3.0)
+    assert leaning.retargeting.state.enabled == (True, True, False, True)
+    assert leaning.switching.phase == "hold"
+
+
+def test_a_short_loss_is_none(leaning: ContactWorld) -> None:
+    leaning.gone.add(RIGHT_HAND)
+    leaning.run(LIMITS.lost_time - 0.03)
+    leaning.gone.clear()
+    leaning.run(1.0)
+    assert leaning.findings == []
+    assert leaning.switching.busy_with() == "cup"
+
+
+@pytest.mark.parametrize("effector", [RIGHT_HAND, LEFT_FOOT, RIGHT_FOOT])
+def test_a_slip_is_found_within_a_fifth_of_a_second_and_stops_the_motion(
+    leaning: ContactWorld, effector: int
+) -> None:
+    begun = len(leaning.events)
+    for _ in range(round(0.2 / leaning.dt)):
+        leaning.moved[effector] += 0.05 * leaning.dt * ALONG  # 5 cm/s
+        leaning.run(leaning.dt)
+    causes = [finding.cause for finding in leaning.findings]
+    assert causes == ["contact_slips"]
+    # Which of two feet slips is the one that carries less.
+    if effector == RIGHT_HAND:
+        assert leaning.findings[0].effector == RIGHT_HAND
+    assert "slips" in leaning.findings[0].text()
+    leaning.run(0.05)
+    assert [event.goal_id for event in leaning.events[begun:]] == ["cup"]
+    assert leaning.switching.phase == "hold"
+    assert leaning.retargeting.state.enabled == (True, True, False, True)
+
+
+def test_slow_creep_is_no_slip(leaning: ContactWorld) -> None:
+    for _ in range(round(3.0 / leaning.dt)):
+        leaning.moved[RIGHT_HAND] += 0.003 * leaning.dt * ALONG
+        leaning.run(leaning.dt)
+    assert leaning.findings == []
+
+
+def test_a_hand_that_slips_again_is_unloaded(leaning: ContactWorld) -> None:
+    for wait in (1.5, 0.0):
+        for _ in range(round(0.2 / leaning.dt)):
+            leaning.moved[RIGHT_HAND] += 0.05 * leaning.dt * ALONG
+            leaning.run(leaning.dt)
+        assert leaning.findings[-1].cause == "contact_slips"
+        leaning.run(wait)
+    assert len(leaning.findings) == 2
+    assert leaning.switching.phase == "unload"
+    seconds_until(leaning, lambda: not leaning.retargeting.state.enabled[RIGHT_HAND], 15.0)
+    leaning.run(1.0)
+    assert leaning.switching.phase == "hold"
+
+
+def test_an_overloaded_hand_stops_what_moves(leaning: ContactWorld) -> None:
+    leaning.extra[RIGHT_HAND, 2] = 200.0
+    waited = seconds_until(leaning, lambda: bool(leaning.findings), 1.0)
+    assert waited == pytest.approx(LIMITS.overload_time, abs=0.03)
+    assert leaning.findings[0].cause == "hand_overload"
+    leaning.run(0.02)
+    assert leaning.told()[-1] == ("cup", "aborted")
+    assert "limit 180 N" in leaning.events[-1].reason
+    leaning.run(2.0)
+    assert leaning.retargeting.state.enabled[RIGHT_HAND]
+    assert len(leaning.findings) == 1
+
+
+def test_a_hand_on_its_way_to_a_contact_that_touches_something_stays_there(
+    model: ControlledModel, joints: Array
+) -> None:
+    world = ContactWorld(model, joints, {RIGHT_HAND: TABLE})
+    world.switching.place(make_goal(BOOK))
+    world.run(1.0)
+    world.extra[RIGHT_HAND] = [-15.0, 0.0, 0.0]
+    assert world.run(1.0, "aborted") == "aborted"
+    assert "touched something" in world.events[-1].reason
+    assert "cm before the point" in world.events[-1].reason
+    assert world.findings[0].cause == "contact_unexpected"
+    where = world.hands.position(RIGHT_HAND)
+    world.run(2.0)
+    assert world.switching.phase == "hold"
+    assert np.linalg.norm(world.hands.position(RIGHT_HAND) - where) < 0.01
+
+
+def test_weight_that_shifts_slowly_in_the_air_is_no_touch(
+    model: ControlledModel, joints: Array
+) -> None:
+    world = ContactWorld(model, joints, {LEFT_HAND: TABLE})
+    world.switching.place(make_goal((0.45, 0.30, TABLE), "left_hand"))
+    for _ in range(200):
+        world.extra[LEFT_HAND, 0] += 0.06  # 6 N/s, as of a hand that turns
+        world.run(world.dt)
+    assert world.findings == []
+    assert world.run(20.0, "loaded") == "loaded"
+
+
+def test_sensors_that_read_nan_find_nothing(leaning: ContactWorld) -> None:
+    leaning.extra[RIGHT_HAND] = np.nan
+    leaning.moved[LEFT_FOOT] = np.nan
+    leaning.run(1.0)
+    assert leaning.findings == []
+
+
+def test_a_finding_is_told_as_a_hazard(leaning: ContactWorld) -> None:
+    leaning.gone.add(RIGHT_HAND)
+    leaning.run(0.5)
+    hazard = leaning.findings[0].hazard()
+    assert (hazard.cause, hazard.subject, hazard.unit) == ("contact_lost", "right_hand", "N")
+    assert hazard.value < hazard.limit
