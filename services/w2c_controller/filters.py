@@ -1,16 +1,29 @@
 """What stands between a target and the QP: anti-windup, a low-pass, and a bang-bang planner."""
 
 import math
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
-import pinocchio as pin
 
+from w2c_controller.assembly import clamped_share
+from w2c_controller.compiled import compiled
 from w2c_controller.parameters import Filters
-from w2c_controller.program import clamp_norm
+from w2c_controller.rotations import rotation_between, turn
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.int8]
+Contacts = tuple[bool, bool, bool, bool]
+
+LEAD_POSITION: Final = 0
+LEAD_ROTATION: Final = 1
+SPEED: Final = 2
+ACCELERATION: Final = 3
+ANGULAR_SPEED: Final = 4
+ANGULAR_ACCELERATION: Final = 5
+REST: Final = 6
+"""Where each setting stands in a vector of settings; the last is 1 - alpha of the low-pass."""
 
 
 def low_pass_gain(cutoff_hz: float, dt: float) -> float:
@@ -19,97 +32,248 @@ def low_pass_gain(cutoff_hz: float, dt: float) -> float:
     return max((1.0 - half) / (1.0 + half), 0.0)
 
 
-class LowPass:
-    """First order, of any shape; starts at its first input."""
-
-    def __init__(self, cutoff_hz: float, dt: float) -> None:
-        self._alpha = low_pass_gain(cutoff_hz, dt)
-        self._value: Vector | None = None
-
-    def reset(self) -> None:
-        """Forget: the next input is the output."""
-        self._value = None
-
-    def step(self, value: Vector) -> Vector:
-        """Return the filtered value. NaN passes through and is not remembered."""
-        if not np.isfinite(value).all():
-            return np.asarray(value)
-        if self._value is None:
-            self._value = np.array(value, dtype=np.float64)
-        else:
-            self._value = self._alpha * self._value + (1.0 - self._alpha) * value
-        return self._value
-
-
+@compiled
 def bang_bang_speed(
-    error: Vector, speed: Vector, top: float, acceleration: float, dt: float
-) -> Vector:
-    """Return the next speed, axis by axis, of the time-optimal way to remove an error.
+    error: float, speed: float, top: float, acceleration: float, dt: float
+) -> float:
+    """Return the next speed, on one axis, of the time-optimal way to remove an error.
 
     Full acceleration towards the largest speed from which full braking still stops at the target.
     The braking curve is that of discrete steps, so the last one does not overshoot.
 
     Args:
-        error: (3,) target minus position.
-        speed: (3,) now.
+        error: Target minus position.
+        speed: Now.
         top: Largest speed.
         acceleration: Largest acceleration.
         dt: Period [s].
     """
+    distance = abs(error)
     half = 0.5 * acceleration * dt
-    braking = np.sqrt(half * half + 2.0 * acceleration * np.abs(error)) - half
-    wanted = np.sign(error) * np.minimum(np.minimum(braking, top), np.abs(error) / dt)
+    braking = math.sqrt(half * half + 2.0 * acceleration * distance) - half
+    wanted = min(braking, top, distance / dt)
+    if error < 0.0:
+        wanted = -wanted
     change = acceleration * dt
-    return np.asarray(speed + np.minimum(np.maximum(wanted - speed, -change), change))
+    return speed + min(max(wanted - speed, -change), change)
 
 
-class HandFilter:
-    """Turns a target pose that may jump into one that the QP can follow."""
+@compiled
+def filter_position(
+    dt: float,
+    settings: Vector,
+    target: Vector,
+    effector: Vector,
+    smooth: Vector,
+    speed: Vector,
+    position: Vector,
+) -> None:
+    """Move a filtered position (3,) by one tick towards a target."""
+    u, v, w = target[0] - effector[0], target[1] - effector[1], target[2] - effector[2]
+    share = clamped_share(u, v, w, settings[LEAD_POSITION])
+    for i in range(3):
+        anchor = effector[i] + share * (target[i] - effector[i])
+        smooth[i] += settings[REST] * (anchor - smooth[i])
+        error = smooth[i] - position[i]
+        speed[i] = bang_bang_speed(error, speed[i], settings[SPEED], settings[ACCELERATION], dt)
+        position[i] += dt * speed[i]
 
-    def __init__(self, filters: Filters, dt: float, position: Vector, rotation: Matrix) -> None:
-        self._filters = filters
+
+@compiled
+def filter_rotation(
+    dt: float,
+    settings: Vector,
+    target: Matrix,
+    effector: Matrix,
+    smooth: Matrix,
+    speed: Vector,
+    rotation: Matrix,
+    work: Vector,
+    anchor: Matrix,
+) -> None:
+    """Move a filtered rotation (3, 3) by one tick to a target; the last two are overwritten."""
+    rotation_between(target, effector, work)
+    share = clamped_share(work[0], work[1], work[2], settings[LEAD_ROTATION])
+    for i in range(3):
+        for j in range(3):
+            anchor[i, j] = effector[i, j]
+    turn(anchor, share * work[0], share * work[1], share * work[2])
+    rotation_between(anchor, smooth, work)
+    rest = settings[REST]
+    turn(smooth, rest * work[0], rest * work[1], rest * work[2])
+    rotation_between(smooth, rotation, work)
+    for i in range(3):
+        speed[i] = bang_bang_speed(
+            work[i], speed[i], settings[ANGULAR_SPEED], settings[ANGULAR_ACCELERATION], dt
+        )
+    turn(rotation, dt * speed[0], dt * speed[1], dt * speed[2])
+
+
+@compiled
+def rest_at(
+    k: int,
+    positions: Matrix,
+    rotations: Matrix,
+    smooth_positions: Matrix,
+    smooth_rotations: Matrix,
+    speeds: Matrix,
+    turns: Matrix,
+    filtered_positions: Matrix,
+    filtered_rotations: Matrix,
+) -> None:
+    """Start the filter of one end effector again, at rest, from its pose."""
+    for i in range(3):
+        smooth_positions[k, i] = filtered_positions[k, i] = positions[k, i]
+        speeds[k, i] = turns[k, i] = 0.0
+        for j in range(3):
+            smooth_rotations[k, i, j] = filtered_rotations[k, i, j] = rotations[k, i, j]
+
+
+@compiled
+def filter_poses(
+    dt: float,
+    settings: Vector,
+    enabled: Contacts,
+    targets: Matrix,
+    wanted: Matrix,
+    displacements: Matrix,
+    positions: Matrix,
+    rotations: Matrix,
+    fixed: Flags,
+    smooth_positions: Matrix,
+    smooth_rotations: Matrix,
+    speeds: Matrix,
+    turns: Matrix,
+    filtered_positions: Matrix,
+    filtered_rotations: Matrix,
+    work: Vector,
+    anchor: Matrix,
+    target_positions: Matrix,
+    target_rotations: Matrix,
+) -> None:
+    """Give the QP the targets (4, 3), (4, 3, 3) of what is free; see `PoseFilters.step`."""
+    for k in range(4):
+        if enabled[k]:
+            fixed[k] = 1
+            continue
+        if fixed[k] != 0:
+            fixed[k] = 0
+            rest_at(
+                k,
+                positions,
+                rotations,
+                smooth_positions,
+                smooth_rotations,
+                speeds,
+                turns,
+                filtered_positions,
+                filtered_rotations,
+            )
+            for i in range(3):
+                displacements[k, i] = 0.0
+        filter_position(
+            dt,
+            settings,
+            targets[k],
+            positions[k],
+            smooth_positions[k],
+            speeds[k],
+            filtered_positions[k],
+        )
+        filter_rotation(
+            dt,
+            settings,
+            wanted[k],
+            rotations[k],
+            smooth_rotations[k],
+            turns[k],
+            filtered_rotations[k],
+            work,
+            anchor,
+        )
+        for i in range(3):
+            # Behind the filter, whose delay would make a hand on a hard surface swing.
+            target_positions[k, i] = filtered_positions[k, i] + displacements[k, i]
+            for j in range(3):
+                target_rotations[k, i, j] = filtered_rotations[k, i, j]
+
+
+class PoseFilters:
+    """Turns target poses that may jump into those that the QP can follow; one each end effector."""
+
+    def __init__(self, filters: Filters, dt: float, positions: Matrix, rotations: Matrix) -> None:
+        """Start at rest from these poses (4, 3) and (4, 3, 3)."""
+        self.positions = positions.copy()
+        """(4, 3) filtered"""
+        self.rotations = rotations.copy()
+        """(4, 3, 3) filtered"""
         self._dt = dt
-        self._alpha = low_pass_gain(filters.low_pass_hz, dt)
-        self.reset(position, rotation)
+        self._settings = np.array(
+            [
+                filters.lead_position,
+                filters.lead_rotation,
+                filters.speed,
+                filters.acceleration,
+                filters.angular_speed,
+                filters.angular_acceleration,
+                1.0 - low_pass_gain(filters.low_pass_hz, dt),
+            ]
+        )
+        self._fixed = np.zeros(4, dtype=np.int8)
+        """Which were contacts in the last tick"""
+        self._state: tuple[Any, ...] = (
+            positions.copy(),
+            rotations.copy(),
+            np.zeros((4, 3)),
+            np.zeros((4, 3)),
+            self.positions,
+            self.rotations,
+        )
+        self._work: tuple[Any, ...] = (np.zeros(3), np.zeros((3, 3)))
 
-    def reset(self, position: Vector, rotation: Matrix) -> None:
-        """Start again, at rest, from a pose."""
-        self.position = position.copy()
-        self.rotation = rotation.copy()
-        self._smooth_position = position.copy()
-        self._smooth_rotation = rotation.copy()
-        self._speed = np.zeros(3)
-        self._turn = np.zeros(3)
+    def reset(self, effector: int, positions: Matrix, rotations: Matrix) -> None:
+        """Start the filter of one end effector again, at rest, from its pose among these."""
+        rest_at(effector, positions, rotations, *self._state)
 
-    def step(self, target: Vector, turned: Matrix, hand: Vector, hand_turned: Matrix) -> None:
-        """Move `position` and `rotation` by one tick.
+    def step(
+        self,
+        enabled: Contacts,
+        targets: Matrix,
+        wanted: Matrix,
+        displacements: Matrix,
+        positions: Matrix,
+        rotations: Matrix,
+        target_positions: Matrix,
+        target_rotations: Matrix,
+    ) -> None:
+        """Move the filters of what is free by one tick; contacts start from rest when freed.
 
         Args:
-            target: (3,) where the hand shall be, in the world.
-            turned: (3, 3) world_from_hand wanted.
-            hand: (3,) where the desired posture has it: the command leads by a bounded distance.
-            hand_turned: (3, 3) world_from_hand of the desired posture.
+            enabled: Which are contacts.
+            targets: (4, 3) where each shall be, in the world [m].
+            wanted: (4, 3, 3) how it shall be turned.
+            displacements: (4, 3) added behind the filters [m]; zeroed where a contact is freed.
+            positions: (4, 3) where the desired posture has them: the command leads by a bounded
+                distance.
+            rotations: (4, 3, 3) of the desired posture.
+            target_positions: (4, 3) out: for the QP.
+            target_rotations: (4, 3, 3) out
         """
-        filters, dt, rest = self._filters, self._dt, 1.0 - self._alpha
-        lead = clamp_norm(target - hand, filters.lead_position)
-        self._smooth_position = self._smooth_position + rest * (hand + lead - self._smooth_position)
-        turn = clamp_norm(np.asarray(pin.log3(turned @ hand_turned.T)), filters.lead_rotation)
-        anchor = pin.exp3(turn) @ hand_turned
-        step = rest * np.asarray(pin.log3(anchor @ self._smooth_rotation.T))
-        self._smooth_rotation = pin.exp3(step) @ self._smooth_rotation
-        self._speed = bang_bang_speed(
-            self._smooth_position - self.position,
-            self._speed,
-            filters.speed,
-            filters.acceleration,
-            dt,
+        filter_poses(
+            self._dt,
+            self._settings,
+            enabled,
+            targets,
+            wanted,
+            displacements,
+            positions,
+            rotations,
+            self._fixed,
+            *self._state,
+            *self._work,
+            target_positions,
+            target_rotations,
         )
-        self.position = self.position + dt * self._speed
-        error = np.asarray(pin.log3(self._smooth_rotation @ self.rotation.T))
-        self._turn = bang_bang_speed(
-            error, self._turn, filters.angular_speed, filters.angular_acceleration, dt
-        )
-        self.rotation = pin.exp3(dt * self._turn) @ self.rotation
 
 
 class Blend:

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from w2c_controller.filters import HandFilter
+from w2c_controller.filters import PoseFilters
 from w2c_controller.model import Kinematics
 from w2c_controller.parameters import FEET, HANDS
 from w2c_controller.retargeting import Retargeting
@@ -23,23 +23,24 @@ class Hands:
             at_rest: Of the posture that hands return to.
         """
         self._retargeting = retargeting
-        filters = retargeting.parameters.filters
         kinematics = retargeting.kinematics
         self.rest = {k: at_rest.positions[k].copy() for k in HANDS}
         """(3,) where a released hand goes, in the world [m]"""
-        self.targets = {k: kinematics.positions[k].copy() for k in range(4)}
+        self.targets = kinematics.positions.copy()
+        """(4, 3) where each shall be, in the world [m]"""
+        self.rotations = kinematics.rotations.copy()
+        """(4, 3, 3) world_from_effector wanted; matters where a hand has an orientation"""
         self._rest_rotations = {k: at_rest.rotations[k].copy() for k in HANDS}
-        self.rotations = {k: kinematics.rotations[k].copy() for k in FEET}
-        """(3, 3) world_from_effector wanted; matters where a hand has an orientation"""
-        self.rotations |= {k: rotation.copy() for k, rotation in self._rest_rotations.items()}
-        self._filters = {
-            k: HandFilter(filters, retargeting.dt, kinematics.positions[k], kinematics.rotations[k])
-            for k in range(4)
-        }
+        for k, rotation in self._rest_rotations.items():
+            self.rotations[k] = rotation
+        self._filters = PoseFilters(
+            retargeting.parameters.filters,
+            retargeting.dt,
+            kinematics.positions,
+            kinematics.rotations,
+        )
         self.displacements = np.zeros((4, 3))
         """(4, 3) of the targets, by which end effectors give way to forces [m]"""
-        self._fixed = [False] * 4
-        """Which were contacts in the last tick"""
 
     def position(self, effector: int) -> Vector:
         """Return where the desired posture has an end effector (3,), a copy [m]."""
@@ -62,33 +63,24 @@ class Hands:
         """Let an end effector stay where it is; a foot also as it is turned."""
         self.targets[effector] = self.position(effector)
         if effector in FEET:
-            self.rotations[effector] = self._retargeting.kinematics.rotations[effector].copy()
+            self.rotations[effector] = self._retargeting.kinematics.rotations[effector]
         self._reset(effector)
 
     def step(self) -> None:
         """Give the QP its targets of this tick."""
-        state = self._retargeting.state
-        kinematics = self._retargeting.kinematics
-        for k in range(4):
-            if state.enabled[k]:
-                self._fixed[k] = True
-                continue
-            if self._fixed[k]:
-                self._fixed[k] = False
-                self._reset(k)
-            self._filters[k].step(
-                self.targets[k],
-                self.rotations[k],
-                kinematics.positions[k],
-                kinematics.rotations[k],
-            )
-            # Behind the filter, whose delay would make a hand on a hard surface swing.
-            state.target_positions[k] = self._filters[k].position + self.displacements[k]
-            state.target_rotations[k] = self._filters[k].rotation
+        state, kinematics = self._retargeting.state, self._retargeting.kinematics
+        self._filters.step(
+            state.enabled,
+            self.targets,
+            self.rotations,
+            self.displacements,
+            kinematics.positions,
+            kinematics.rotations,
+            state.target_positions,
+            state.target_rotations,
+        )
 
     def _reset(self, effector: int) -> None:
         kinematics = self._retargeting.kinematics
         self.displacements[effector] = 0.0
-        self._filters[effector].reset(
-            kinematics.positions[effector], kinematics.rotations[effector]
-        )
+        self._filters.reset(effector, kinematics.positions, kinematics.rotations)
