@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 from w2c.messages import RobotDescription
+from w2c_controller.controller import Controller
 from w2c_controller.force_parameters import ForceParameters
 from w2c_controller.model import (
     ControlledModel,
@@ -18,6 +19,8 @@ from w2c_controller.parameters import RIGHT_HAND
 from w2c_controller.payload import GRAVITY, Payloads
 from w2c_controller.sensing import Measured
 from w2c_controller.takeover import find_supports
+from w2c_sim_robot.perturbation import Perturbation
+from w2c_sim_robot.study import study_robot
 
 BOTH = (True, True)
 DT = 0.008
@@ -112,3 +115,14 @@ def test_without_force_control_nothing_is_learnt(controlled: ControlledModel) ->
 def test_a_load_in_the_hand_is_no_support() -> None:
     assert find_supports(weighing(0.0, 12.0)) == {}
     assert set(find_supports(weighing(0.0, -12.0))) == {RIGHT_HAND}
+
+
+def test_the_controller_knows_the_load_from_its_first_tick(description: RobotDescription) -> None:
+    mass = 6.0
+    robot = study_robot(Perturbation(hand_mass=(0.0, mass)), description=description)
+    controller = Controller(description)
+    controller.tick(robot.state())
+    feet = controller.retargeting.state.wrenches[:2, 2].sum()
+    weight = robot.model.body_mass.sum() * GRAVITY
+    assert feet == pytest.approx(weight, abs=0.1)
+    assert controller.requests.situation.away == (False, False)
