@@ -1,7 +1,7 @@
 """What stands between a target and the QP: anti-windup, a low-pass, and a bang-bang planner."""
 
 import math
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -221,7 +221,7 @@ class PoseFilters:
         )
         self._fixed = np.zeros(4, dtype=np.int8)
         """Which were contacts in the last tick"""
-        self._state: tuple[Any, ...] = (
+        self._state = (
             positions.copy(),
             rotations.copy(),
             np.zeros((4, 3)),
@@ -229,7 +229,7 @@ class PoseFilters:
             self.positions,
             self.rotations,
         )
-        self._work: tuple[Any, ...] = (np.zeros(3), np.zeros((3, 3)))
+        self._work, self._anchor = np.zeros(3), np.zeros((3, 3))
 
     def reset(self, effector: int, positions: Matrix, rotations: Matrix) -> None:
         """Start the filter of one end effector again, at rest, from its pose among these."""
@@ -270,7 +270,8 @@ class PoseFilters:
             rotations,
             self._fixed,
             *self._state,
-            *self._work,
+            self._work,
+            self._anchor,
             target_positions,
             target_rotations,
         )

@@ -1,0 +1,1 @@
+"""The controller's tick against inverse kinematics."""
