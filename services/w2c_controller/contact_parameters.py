@@ -32,15 +32,15 @@ class Supervision:
     """Foot, hand: a contact that carries less has no ground [N]."""
     lost_time: float = 0.2
     """[s]"""
-    slip_distance: float = 0.004
-    """Of motion against the feet within `slip_window` [m]. A ball that rolls as the arm turns
-    moves by up to 2 mm, an elastic foot by less than 1 mm."""
+    slip_distance: tuple[float, float] = (0.003, 0.006)
+    """Foot, hand: of motion against the feet within `slip_window` [m]. In far reaches a ball that
+    carries 150 N rolls and creeps by up to 4 mm, a foot by 0.3 mm."""
     slip_window: float = 0.5
     """Time constant after which a motion counts as place [s]."""
     slip_again: float = 3.0
     """A hand that slips again within this time is unloaded [s]."""
-    overload_force: float = 180.0
-    """Measured normal force on a hand [N]; 1.2 times the largest that is ever wanted."""
+    overload_force: float = 195.0
+    """Measured normal force on a hand [N]; 1.3 times the largest that is ever wanted."""
     overload_time: float = 0.3
     """[s]"""
     bump_settle: float = 0.5

@@ -85,7 +85,6 @@ class ContactWatch:
         self._numbers = np.array(
             [
                 supervision.lost_time,
-                supervision.slip_distance,
                 min(dt / supervision.slip_window, 1.0),
                 supervision.overload_force,
                 supervision.overload_time,
@@ -95,6 +94,7 @@ class ContactWatch:
         foot, hand = 0, 1
         self._wanted = np.array([supervision.lost_desired[k] for k in (foot, foot, hand, hand)])
         self._missing = np.array([supervision.lost_measured[k] for k in (foot, foot, hand, hand)])
+        self._farthest = np.array([supervision.slip_distance[k] for k in (foot, foot, hand, hand)])
         self.watched: Flags = np.zeros(4, dtype=np.bool_)
         """(4,)"""
         self._timers = np.zeros((2, 4))
@@ -141,6 +141,7 @@ class ContactWatch:
             measured.positions,
             measured.soles,
             self._missing,
+            self._farthest,
             self._numbers,
             self._places,
             self._told,
@@ -151,7 +152,8 @@ class ContactWatch:
         if code == NOTHING:
             return None
         trouble, effector = divmod(int(code), 4)
-        limits = (self._missing[effector], self._limits.slip_distance, self._limits.overload_force)
+        overload = self._limits.overload_force
+        limits = (self._missing[effector], self._farthest[effector], overload)
         value = self._motion[effector] if trouble == SLIPS else self._measured[effector]
         return Finding(
             cause=CAUSES[trouble],
@@ -178,7 +180,7 @@ def _weigh(
     measured: Vector,
 ) -> int:
     """Update measured normal forces and timers; returns 4 trouble + effector, or -1."""
-    lost_time, overload_force, overload_time, dt = numbers[0], numbers[3], numbers[4], numbers[5]
+    lost_time, overload_force, overload_time, dt = numbers[0], numbers[2], numbers[3], numbers[4]
     found = NOTHING
     for k in range(4):
         if not watched[k]:
@@ -206,6 +208,7 @@ def _follow(
     positions: Matrix,
     soles: Matrix,
     missing: Vector,
+    farthest: Vector,
     numbers: Vector,
     places: Matrix,
     told: Flags,
@@ -214,9 +217,10 @@ def _follow(
 ) -> int:
     """Update places and motions; returns 4 trouble + effector, or -1.
 
-    What carries nothing does not slip. Of two feet that move against each other, the one that carries less is the one that slips.
+    What carries nothing does not slip. Of two feet that move against each other, the one that
+    carries less is the one that slips.
     """
-    slip_distance, share = numbers[1], numbers[2]
+    share = numbers[1]
     found = NOTHING
     for k in range(1, 4):
         motion[k] = 0.0
@@ -237,8 +241,8 @@ def _follow(
             square += (place - places[k, i]) ** 2
             places[k, i] += share * (place - places[k, i])
         motion[k] = math.sqrt(square)
-        moves = motion[k] > slip_distance and measured[k] > missing[k]
-        if k >= 2 and motion[1] > 0.5 * slip_distance:
+        moves = motion[k] > farthest[k] and measured[k] > missing[k]
+        if k >= 2 and motion[1] > 0.5 * farthest[1]:
             # The feet, which its place is measured against, move themselves.
             moves = False
         if moves and not told[SLIPS, k]:
@@ -246,6 +250,6 @@ def _follow(
             slipping = 0 if k == 1 and measured[0] < measured[1] else k
             motion[slipping] = motion[k]
             found = 4 * SLIPS + slipping
-        elif motion[k] < 0.5 * slip_distance:
+        elif motion[k] < 0.5 * farthest[k]:
             told[SLIPS, k] = False
     return found

@@ -21,3 +21,8 @@ def choose_effector(
 def nearest_hand(point: Array) -> EndEffector:
     """Return the hand on the side of a point (3,) in the world [m]; y is to the left."""
     return "right_hand" if point[1] < 0.0 else "left_hand"
+
+
+def task_of(limb: EndEffector, task: Task) -> Task:
+    """Return what a limb can do: a foot stands, whatever the words for it."""
+    return "contact" if limb in ("left_foot", "right_foot") else task

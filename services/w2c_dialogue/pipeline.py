@@ -241,7 +241,8 @@ class Dialogue:
             named, task = named or heard[0], task or heard[1]
         if named is None and shown.target.point is not None:
             return effector.nearest_hand(shown.target.point), task or "contact", True
-        return named or "right_hand", task or "contact", named is None
+        limb = named or "right_hand"
+        return limb, effector.task_of(limb, task or "contact"), named is None
 
     def _stop(self, text: str) -> Turn:
         """Hold the robot, whatever else goes on."""

@@ -63,7 +63,8 @@ def correction(target: Target, du: float, dv: float) -> str:
 def confirmed(effector: EndEffector, task: Task, *, assumed: bool) -> str:
     """Return the answer to a yes."""
     limb = effector.replace("_", " ")
-    verb = "lean on it" if task == "contact" else "reach for it"
+    stands = effector in ("left_foot", "right_foot")
+    verb = "step there" if stands else "lean on it" if task == "contact" else "reach for it"
     side = f" You named no hand; I take the {limb}, which is on that side." if assumed else ""
     return f"I {verb} with my {limb}.{side} Say stop to hold."
 

@@ -99,6 +99,9 @@ class PlaceConfig(Connection, frozen=True, kw_only=True):
     """(u, v) in the newest picture."""
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     """Of the surface at --point."""
+    force: Annotated[float, msgspec.Meta(ge=0)] = 0.0
+    """Normal force that a hand in contact pushes with, at --point [N]; 0 = as balance finds best.
+    At the place where the hand leans already it only changes the force."""
     wait: Annotated[float, msgspec.Meta(ge=0)] = 60.0
     """How long to wait for the end [s]; 0 = return at once."""
 
@@ -108,6 +111,8 @@ def place(arguments: list[str] | None = None) -> int:
     config = parse(PlaceConfig, arguments or [], program="w2c place")
     if (config.point is None) == (config.pixel is None):
         raise ConfigError("give either --point X Y Z or --pixel U V")
+    if config.pixel is not None and config.force > 0.0:
+        raise ConfigError("--force goes with --point X Y Z, not with --pixel")
     with _connect(config) as bus:
         events = bus.queue(topics.GOAL_EVENT)
         if config.pixel is not None:
@@ -119,6 +124,7 @@ def place(arguments: list[str] | None = None) -> int:
                 task=config.task,
                 point=np.array(config.point),
                 normal=np.array(config.normal),
+                force=config.force,
             )
             goal_id = bus.call(topics.PLACE, goal).message.goal_id
         return _follow(events, goal_id, config.wait)
@@ -138,7 +144,7 @@ def _place_pixel(bus: Bus, config: PlaceConfig, pixel: tuple[float, float]) -> s
 
 
 class ReleaseConfig(Connection, frozen=True, kw_only=True):
-    """Take a hand off its support and bring it back."""
+    """Take a hand off its support and bring it back, or lift a foot."""
 
     end_effector: EndEffector
     """Which one."""
@@ -147,7 +153,7 @@ class ReleaseConfig(Connection, frozen=True, kw_only=True):
 
 
 def release(arguments: list[str] | None = None) -> int:
-    """Release a hand."""
+    """Release a hand, or lift a foot. Exit status 0 when it is free."""
     config = parse(ReleaseConfig, arguments or [], program="w2c release")
     with _connect(config) as bus:
         events = bus.queue(topics.GOAL_EVENT)

@@ -515,6 +515,16 @@ def test_a_click_shows_a_target_that_can_be_confirmed() -> None:
     assert not world.model.questions
 
 
+def test_a_named_foot_is_passed_on_and_stands() -> None:
+    world = World()
+    turn = world.dialogue.point(PointRequest(u=700, v=300, end_effector="left_foot", task="reach"))
+    assert turn.target is not None
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=turn.target.target_id))
+    assert (turn.end_effector, turn.task) == ("left_foot", "contact")
+    assert "step there with my left foot" in turn.reply
+    assert [goal.end_effector for goal in world.controller.goals] == ["left_foot"]
+
+
 def test_a_click_outside_is_refused() -> None:
     turn = World().dialogue.point(PointRequest(u=1300, v=300))
     assert not turn.ok
