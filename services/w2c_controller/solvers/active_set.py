@@ -33,9 +33,10 @@ Indices = npt.NDArray[np.intp]
 
 MOST_SETS: Final = 8
 TOLERANCE: Final = 1e-9
-"""By how much a bound may be exceeded, in its own unit, besides rounding."""
-ROUNDING: Final = 1e-12
-"""Share of a bound by which it may be exceeded."""
+"""By how much a bound may be exceeded, in its own unit, and as a share of it."""
+LARGEST_TOLERANCE: Final = 1e-7
+"""Rows that nearly depend on each other (two feet push against each other) are told apart no better
+than to 1e-8 of their bounds: without this the two sets would be tried in turn for ever."""
 DEPENDENT: Final = 1e-11
 """A row whose Schur complement is smaller than this share of its own entry depends on others."""
 
@@ -188,7 +189,7 @@ def solve_active_set(
             factor, starts, place, inverse, reached, columns, working, right, count, point, x
         ):
             return _NOT_CONVEX
-        wrong = _release(active, working, right, sizes, used, count)
+        wrong = _release(active, working, lower, upper, right, sizes, used, count)
         wrong += _arrest(x, rows, lower, upper, equalities, active)
         if wrong == 0:
             for i in range(equalities):
@@ -303,7 +304,14 @@ def _complement(
 
 @compiled
 def _release(
-    active: Flags, working: Indices, force: Vector, sizes: Vector, used: Vector, count: int
+    active: Flags,
+    working: Indices,
+    lower: Vector,
+    upper: Vector,
+    force: Vector,
+    sizes: Vector,
+    used: Vector,
+    count: int,
 ) -> int:
     """Take bounds that pull, and those that depend on others, from the set.
 
@@ -316,7 +324,7 @@ def _release(
         # Released alone, the bound would be left by at most |mu| S: rounding if that is tiny.
         if used[a] == 0.0:
             active[i] = 0
-        elif force[a] * sizes[a] * active[i] < -TOLERANCE:
+        elif force[a] * sizes[a] * active[i] < -_slack(upper[i] if active[i] > 0 else lower[i]):
             active[i] = 0
             wrong += 1
     return wrong
@@ -338,10 +346,16 @@ def _arrest(
             value = 0.0
             for j in range(n):
                 value += rows[i - n, j] * x[j]
-        if value - upper[i] > TOLERANCE + ROUNDING * abs(upper[i]):
+        if value - upper[i] > _slack(upper[i]):
             active[i] = 1
             wrong += 1
-        elif lower[i] - value > TOLERANCE + ROUNDING * abs(lower[i]):
+        elif lower[i] - value > _slack(lower[i]):
             active[i] = -1
             wrong += 1
     return wrong
+
+
+@compiled
+def _slack(bound: float) -> float:
+    """Return by how much a bound may be exceeded."""
+    return min(TOLERANCE * (1.0 + abs(bound)), LARGEST_TOLERANCE)
