@@ -208,15 +208,15 @@ def test_points_beside_the_robot_are_taken(model: ControlledModel, joints: Array
     requests = Requests(RADIUS, body=Body(model), posture=q.copy)
     requests.situation = READY
     # Its own arm does not count: it will have moved away.
-    own_hand = tuple(float(value) for value in _hand(model, q))
-    for number, point in enumerate([(0.5, -0.25, 0.84), (0.3, 0.0, 0.8), own_hand]):
+    x, y, z = _hand(model, q).tolist()
+    for number, point in enumerate([(0.5, -0.25, 0.84), (0.3, 0.0, 0.8), (x, y, z)]):
         requests.place(_place(point=point, goal_id=str(number)))
 
 
 def _hand(model: ControlledModel, q: Array) -> Array:
     kinematics = Kinematics(model)
     kinematics.update_frames(q)
-    return kinematics.positions[3]
+    return np.array(kinematics.positions[3])
 
 
 def test_a_hand_at_rest_cannot_be_released() -> None:
