@@ -1,8 +1,7 @@
 """Loads on the end effectors, and where they are, from what the robot measures.
 
-Feet and left wrist have force-torque sensors. The ball-ended right arm has none: its force is the
-least-squares solution of J^T F = g(q) - tau over the arm's joints (quasi-static; four equations
-for three unknowns). The base, which nothing measures, is turned so that the feet that stand are
+Feet and left wrist have force-torque sensors. The force on the ball-ended right hand follows from
+the torques of its arm. The base, which nothing measures, is turned so that the feet that stand are
 level.
 """
 
@@ -11,21 +10,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
-import pinocchio as pin
 
-from w2c.geometry import base_from_midfeet
 from w2c.messages import RobotState
 from w2c_controller.compiled import compiled
 from w2c_controller.filters import low_pass_gain
+from w2c_controller.hand_forces import feel_hands
 from w2c_controller.model import BOTH_FEET, ControlledModel, FeetOnGround
 from w2c_controller.parameters import FEET, LEFT_HAND, RIGHT_HAND
+from w2c_controller.tree import place
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 
 FORCE_CUTOFF_HZ = 10.0
-DAMPING = 1e-6
-"""Keeps the equations solvable with a stretched arm [m^2]."""
 
 
 @dataclass(frozen=True)
@@ -56,71 +53,74 @@ class LoadEstimator:
     """Keeps the filters of the measured loads."""
 
     def __init__(self, controlled: ControlledModel, dt: float) -> None:
-        self._controlled = controlled
-        # A model of its own: its gravity turns while its base stays at the origin.
-        self._model = pin.Model(controlled.model)
-        self._data = self._model.createData()
-        self._gravity = np.array(self._model.gravity.linear)
+        nv, tree = controlled.nv, controlled.tree
+        bodies = tree.parents.size
+        self._joint_indices = controlled.joint_indices
         self._arm = controlled.joints_of(RIGHT_HAND)
-        self._q = pin.neutral(self._model)
+        self._kinematic = tree.kinematic
+        # Copies: what hangs on a hand becomes part of the model, and is still to be measured.
+        self._weights, self._centers = tree.weights.copy(), tree.centers.copy()
+        self._q = np.zeros(controlled.model.nq)
+        self._q[6] = 1.0
+        self._bodies = (np.zeros((bodies, 3, 3)), np.zeros((bodies, 3)), np.zeros((bodies, 3)))
+        self._positions, self._rotations = np.zeros((4, 3)), np.zeros((4, 3, 3))
+        self._jacobians, self._local = np.zeros((4, 6, nv)), np.zeros((2, 6, nv))
+        self._work = np.zeros((5, max(self._arm.size, 3)))
         self._alpha = low_pass_gain(FORCE_CUTOFF_HZ, dt)
         self._raw = np.full(18 + controlled.nj, np.nan)
         self._filtered = np.full(18 + controlled.nj, np.nan)
 
     def update(self, state: RobotState, feet_on_ground: FeetOnGround = BOTH_FEET) -> Measured:
         """Return the loads of one state; NaN where a sensor says NaN."""
-        controlled, raw = self._controlled, self._raw
-        joints = state.position[controlled.joint_indices]
-        torque = state.torque[controlled.joint_indices]
-        positions, soles = np.full((4, 3), np.nan), np.full((2, 3, 3), np.nan)
+        raw = self._raw
+        joints, torque = state.position[self._joint_indices], state.torque[self._joint_indices]
         raw[:12] = state.sole_wrenches.ravel()
-        raw[12:18] = np.nan
         raw[18:] = torque
-        if np.isfinite(joints).all():
-            self._update_frames(joints, positions, soles)
-            world_from_base = _standing_rotation(soles, feet_on_ground)
-            self._feel(state.left_wrist_wrench[:3], torque, world_from_base)
+        known = bool(np.isfinite(joints).all())
+        if known:
+            self._feel(joints, torque, state.left_wrist_wrench, feet_on_ground)
+        else:
+            raw[12:18] = np.nan
         _low_pass(self._alpha, raw, self._filtered)
         filtered = self._filtered.copy()
         return Measured(
             feet=filtered[:12].reshape(2, 6),
             hands=filtered[12:18].reshape(2, 3),
             torque=filtered[18:],
-            positions=positions,
-            soles=soles,
+            positions=self._positions.copy() if known else np.full((4, 3), np.nan),
+            soles=self._rotations[:2].copy() if known else np.full((2, 3, 3), np.nan),
         )
 
-    def _update_frames(self, joints: Vector, positions: Matrix, soles: Matrix) -> None:
-        """Fill positions and sole rotations in the base frame; the data keeps the Jacobians."""
+    def _feel(self, joints: Vector, torque: Vector, wrist: Vector, feet: FeetOnGround) -> None:
+        """Fill frames in the base's, and the raw forces on the hands, in the world."""
         self._q[7:] = joints
-        pin.computeJointJacobians(self._model, self._data, self._q)
-        for k, frame in enumerate(self._controlled.frames):
-            placement = pin.updateFramePlacement(self._model, self._data, frame)
-            positions[k] = placement.translation
-            if k in FEET:
-                soles[k] = placement.rotation
-
-    def _feel(self, wrist_force: Vector, torque: Vector, world_from_base: Matrix) -> None:
-        """Fill the raw forces on the hands, in the world."""
-        model, data, frames, arm = self._model, self._data, self._controlled.frames, self._arm
-        left = data.oMf[frames[LEFT_HAND]].rotation
-        self._raw[12:15] = world_from_base @ (left @ wrist_force)
-        jacobian = pin.getFrameJacobian(
-            model, data, frames[RIGHT_HAND], pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        )[:3, arm]
-        model.gravity.linear = self._gravity @ world_from_base
-        residual = pin.computeGeneralizedGravity(model, data, self._q)[arm] - torque[arm - 6]
-        normal_equations = jacobian @ jacobian.T
-        normal_equations.ravel()[::4] += DAMPING
-        force = np.linalg.solve(normal_equations, jacobian @ residual)
-        self._raw[15:18] = world_from_base @ force
-
-
-def _standing_rotation(soles: Matrix, feet: FeetOnGround) -> Matrix:
-    """Return world_from_base (3, 3) where the soles that stand are level, on average."""
-    left, right = np.eye(4), np.eye(4)
-    left[:3, :3], right[:3, :3] = soles[feet[0]], soles[feet[1]]
-    return np.asarray(base_from_midfeet(left, right)[:3, :3].T)
+        rotations = self._rotations
+        place(
+            self._q,
+            *self._kinematic,
+            *self._bodies,
+            self._positions,
+            rotations,
+            self._jacobians,
+            self._local,
+        )
+        body_rotations, origins, axes = self._bodies
+        feel_hands(
+            rotations[feet[0]],
+            rotations[feet[1]],
+            rotations[LEFT_HAND],
+            wrist,
+            self._arm,
+            torque,
+            self._jacobians[RIGHT_HAND],
+            axes,
+            origins,
+            body_rotations,
+            self._centers,
+            self._weights,
+            self._work,
+            self._raw[12:18],
+        )
 
 
 @compiled
