@@ -41,6 +41,7 @@ from w2c_controller.handout import Handout
 from w2c_controller.keeper import Keeper
 from w2c_controller.preview import preview
 from w2c_controller.qp_meter import QpMeter
+from w2c_controller.rehearsal import rehearse
 from w2c_controller.removal import check_removal, stays_there
 from w2c_controller.reports import Reports
 from w2c_controller.safety import Hazard
@@ -96,7 +97,9 @@ class ControllerNode:
 
     def configure(self) -> None:
         """Ask the robot what it is, build the model, and take calls."""
-        self._build(self._describe())
+        description = self._describe()
+        rehearse(description)
+        self._build(description)
         if self._description.lock_step:
             self._bus.use_lock_step()
             self._queue: Queue[RobotState] = self._bus.queue(topics.ROBOT_STATE)
@@ -192,8 +195,8 @@ class ControllerNode:
                 stamp_ns, state.tick, self._timing, self._feed, self._skipped, self._meters,
                 self._collector.runs, self._granted,
             )  # fmt: skip
-        if controller.begun != self._begun:
-            self._begun = controller.begun
+        if controller.takeover.how != self._begun:
+            self._begun = controller.takeover.how
             reports.log(logging.WARNING, f"took over {self._begun}")
         self._keep_snapshot(state)
 
@@ -203,7 +206,7 @@ class ControllerNode:
         now = controller.phase, controller.retargeting.state.enabled
         switched = now != self._kept
         periodic = state.tick % SNAPSHOT_EVERY == SNAPSHOT_PHASE
-        if not controller.started or not (switched or periodic or self._snapshots):
+        if not controller.takeover.done or not (switched or periodic or self._snapshots):
             return
         self._kept = now
         reason = "switch" if switched else "periodic" if periodic else "request"
@@ -265,7 +268,7 @@ class ControllerNode:
             self._build(self._describe())
         self._boot_id = boot_id
         if self._last is not None:
-            self.controller.offer(self._last, boot_id)
+            self.controller.takeover.offer(self._last, boot_id)
             self._last = None
 
     def _build(self, description: RobotDescription) -> None:

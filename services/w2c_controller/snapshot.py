@@ -26,8 +26,11 @@ CONSTANT: Final = (
 )
 """Types that do not change."""
 COMPUTED: Final[dict[type, tuple[str, ...]]] = {
-    Kinematics: ("static_dq", "static_dl", "base_coupling", "_masses", "_momentum", "_loads")
-}
+    Kinematics: (
+        "static_dq", "static_dl", "base_coupling", "_masses", "_momentum", "_loads", "_bodies",
+        "_frames",
+    )
+}  # fmt: skip
 """What is filled anew at each tick before it is used."""
 KEPT: Final[dict[type, tuple[str, ...]]] = {
     # A program is filled anew at each tick; which bounds were active is where its solver starts.
@@ -40,6 +43,8 @@ KEPT: Final[dict[type, tuple[str, ...]]] = {
     ),
 }  # fmt: skip
 """All that is not constant, of types with many constants."""
+BODY: Final = "body"
+"""Where the state of the `WholeBody` stands in that of the controller."""
 MOST_MOVED: Final = 0.5
 """Between the command of the snapshot and the one in force [rad]: what free arms move in a second
 or two."""

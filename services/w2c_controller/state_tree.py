@@ -2,8 +2,7 @@
 
 What an object remembers is found by looking at it, not by a list that someone keeps: a part that
 gets a new attribute tomorrow is captured tomorrow. Left out are objects of other packages, what can
-be called, tuples of arrays (arguments of compiled functions, which alias attributes), and the types
-that the caller names as constant.
+be called, and the types that the caller names as constant.
 
 Restoring writes into the objects that are there: arrays keep their place in memory, since compiled
 functions hold them. An object that is not there (a goal, a path) is made anew.
@@ -138,8 +137,6 @@ class _Encoder:
         return {_KIND: "dict", "items": items}
 
     def _sequence(self, value: Any) -> Any:
-        if type(value) is tuple and any(type(held) is np.ndarray for held in value):
-            return _SKIP
         items = [self._any(held) for held in value]
         if any(item is _SKIP for item in items):
             return _SKIP
@@ -202,6 +199,8 @@ class _Decoder:
         same = type(existing).__name__ == kind and len(existing) == len(items) and kind != "set"
         held = list(existing) if same else [None] * len(items)
         new = [self._any(was, item) for was, item in zip(held, items, strict=True)]
+        if same and all(now is was for now, was in zip(new, held, strict=True)):
+            return existing
         if same and kind == "list":
             existing[:] = new
             return existing

@@ -6,14 +6,19 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import frame_from_normal
+from w2c.messages import ControllerSnapshot, RobotState
 from w2c_controller.model import standing_configuration
 from w2c_controller.parameters import EFFECTORS, HANDS
 from w2c_controller.retargeting import Retargeting
-from w2c_controller.safety import Hazard
+from w2c_controller.safety import Hazard, Holds
 from w2c_controller.sensing import Measured
+from w2c_controller.snapshot import BODY, refusal
+from w2c_controller.state_tree import SnapshotError, restore
+from w2c_controller.whole_body import WholeBody
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
 
 FRESH_POSTURE = 0.05
 """A robot within this of its initial posture starts from it exactly [rad]."""
@@ -77,3 +82,71 @@ def follow_command(retargeting: Retargeting, change: Vector) -> None:
     else:
         state.q[7:] = joints
     retargeting.kinematics.update_frames(state.q)
+
+
+class Takeover:
+    """Begins with a robot: from a snapshot, standing, or leaning where an operator says so."""
+
+    def __init__(self, body: WholeBody, joint_indices: Indices) -> None:
+        """Begin with nothing.
+
+        Args:
+            body: Of the robot.
+            joint_indices: (nj,) where its joints stand in vectors of the bus.
+        """
+        self._body = body
+        self._indices = joint_indices
+        self._offered: tuple[ControllerSnapshot, str] | None = None
+        self.adopts = False
+        """Whether hands that bear weight are supports, on the word of an operator"""
+        self.done = False
+        self.how = ""
+        """In words, for the log"""
+
+    def offer(self, snapshot: ControllerSnapshot, robot_boot_id: str) -> None:
+        """Take the newest snapshot of a controller that is no more, and the robot's boot id now."""
+        self._offered = snapshot, robot_boot_id
+
+    def attempt(self, state: RobotState, holds: Holds) -> None:
+        """Begin with a robot in this state, or hold until that is possible.
+
+        Raises:
+            ControlError: the posture cannot stand.
+        """
+        body, joints = self._body, state.position[self._indices]
+        measured = body.weigh(state)
+        why_not = self._from_snapshot(state, measured)
+        if self.done:
+            return
+        supports = find_supports(measured)
+        if supports and not self.adopts:
+            holds.found(unknown_contacts(supports, measured, why_not), state.tick)
+            return
+        posture = starting_posture(joints, body.initial_joints, supports)
+        body.begin(posture, supports, state.command, measured)
+        self.how = f"leaning with {len(supports)} hands" if supports else "standing"
+        self.done = True
+
+    def _from_snapshot(self, state: RobotState, measured: Measured) -> str:
+        """Go on where another controller was, contacts kept; returns why not, "" = done or none."""
+        if self._offered is None:
+            return ""
+        snapshot, robot_boot_id = self._offered
+        why_not = refusal(snapshot, state, robot_boot_id, measured)
+        if why_not:
+            return why_not
+        self._offered = None
+        body = self._body
+        body.begin(body.initial_joints, {}, state.command)
+        try:
+            restore(body, snapshot.state[BODY])
+        except (KeyError, SnapshotError) as error:
+            return f"it does not fit: {error}"
+        body.measured = measured
+        change = (state.command - snapshot.command)[self._indices]
+        if change.any():
+            follow_command(body.retargeting, change)
+            body.force_control.settle(body.retargeting)
+        self.how = f"from the snapshot of tick {snapshot.tick}"
+        self.done = True
+        return ""

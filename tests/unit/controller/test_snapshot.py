@@ -13,6 +13,7 @@ from w2c.messages import Array, ControllerSnapshot, ReleaseGoal, RobotDescriptio
 from w2c_controller.controller import Controller
 from w2c_sim_robot.scenes.scenario_a import scenario_a
 
+BODY = "w2c_controller.whole_body.WholeBody"
 TICKS = 80
 """That are compared after each snapshot."""
 
@@ -132,7 +133,7 @@ def resumed(session: Session, description: RobotDescription) -> Resumed:
 
 def test_a_controller_that_died_leaning_goes_on_leaning_without_moving(resumed: Resumed) -> None:
     before = resumed.simulator.truth()
-    resumed.controller.offer(resumed.snapshot, "robot")
+    resumed.controller.takeover.offer(resumed.snapshot, "robot")
     first = resumed.controller.tick(resumed.state()).position
     np.testing.assert_allclose(first, resumed.command, atol=1e-6)
     assert resumed.controller.snapshot().in_contact == (True, True, False, True)
@@ -170,14 +171,14 @@ def test_without_a_snapshot_it_holds_and_asks(resumed: Resumed) -> None:
         ({"command": np.zeros(3)}, "a robot with 3 joints"),
         ({"command": np.full(27, 3.0)}, "limit 0.5 rad"),
         ({"in_contact": (True, True, True, True)}, "bears"),
-        ({"state": {"@": "w2c_controller.controller.Other"}}, "is of a"),
-        ({"state": {"@": "w2c_controller.controller.Controller", "x": {"@": "os.X"}}}, "os.X"),
+        ({"state": {"body": {"@": "w2c_controller.controller.Other"}}}, "is of a"),
+        ({"state": {"body": {"@": BODY, "x": {"@": "os.X"}}}}, "os.X"),
     ],
 )
 def test_a_snapshot_that_does_not_fit_is_not_used(
     resumed: Resumed, changes: dict[str, object], reason: str
 ) -> None:
-    resumed.controller.offer(msgspec.structs.replace(resumed.snapshot, **changes), "robot")
+    resumed.controller.takeover.offer(msgspec.structs.replace(resumed.snapshot, **changes), "robot")
     resumed.controller.tick(resumed.state())
     assert reason in resumed.controller.snapshot().message
     assert resumed.controller.snapshot().phase == "held"

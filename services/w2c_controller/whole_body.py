@@ -1,0 +1,166 @@
+"""The parts that make a command, around one desired state, and the order in which they work.
+
+    measured loads -> switching -> targets -> Retargeting -> force control -> command
+
+Whether they may work at all is the affair of `Controller`.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c.messages import RobotDescription, RobotState
+from w2c_controller.admittance import Admittance
+from w2c_controller.events import Event
+from w2c_controller.force_control import ForceControl
+from w2c_controller.gaze import Gaze, find_neck
+from w2c_controller.guards import SENSE_EVERY
+from w2c_controller.hands import Hands
+from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
+from w2c_controller.parameters import HANDS, Parameters
+from w2c_controller.payload import Payloads
+from w2c_controller.retargeting import Retargeting
+from w2c_controller.sensing import LoadEstimator, Measured
+from w2c_controller.solvers import FallbackSolver
+from w2c_controller.supervision import Finding
+from w2c_controller.switching import Switching
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+
+AWAY = 0.05
+"""A hand farther from its rest can be released [m]."""
+
+
+class WholeBody:
+    """Sensing, switching, Retargeting, force control and gaze of one robot."""
+
+    def __init__(
+        self,
+        description: RobotDescription,
+        model: ControlledModel,
+        parameters: Parameters,
+        solvers: tuple[FallbackSolver, FallbackSolver],
+    ) -> None:
+        """Make all parts; none works before `begin`.
+
+        Args:
+            description: Of the robot.
+            model: Of the same robot.
+            parameters: Of all parts.
+            solvers: Of the Retargeting, of the force control.
+        """
+        self._model = model
+        self._ahead_time = parameters.motion.ahead_time
+        self._dt = description.period_ns * 1e-9
+        self._initial = np.array(description.initial_position)
+        period = SENSE_EVERY * self._dt
+        self.retargeting = Retargeting(model, parameters, self._dt, solvers[0])
+        self.force_control = ForceControl(model, parameters, self._dt, solvers[1])
+        self._admittance = Admittance(parameters.force_control, period)
+        self.at_rest = Kinematics(model)
+        """Of the initial posture"""
+        self.at_rest.update_frames(standing_configuration(model, self.initial_joints))
+        self._neck = find_neck(description, model.model)
+        self._loads = LoadEstimator(model, period)
+        self._payloads = Payloads(model, parameters.force_control, period)
+        self.measured = Measured(
+            feet=np.zeros((2, 6)), hands=np.zeros((2, 3)), torque=np.zeros(model.nj)
+        )
+        """The newest, without what the hands carry"""
+        self._gaze: Gaze | None = None
+        self.hands: Hands
+        """Targets of what is free; exist after `begin`."""
+        self.switching: Switching
+        """The state machine of goals; exists after `begin`."""
+
+    @property
+    def initial_joints(self) -> Vector:
+        """Return the initial posture (nj,) in the model's order [rad]."""
+        return np.asarray(self._initial[self._model.joint_indices])
+
+    def begin(
+        self,
+        joints: Vector,
+        supports: Mapping[int, Matrix],
+        command: Vector,
+        measured: Measured | None = None,
+    ) -> None:
+        """Stand in a posture, leaning on some hands.
+
+        Args:
+            joints: (nj,) in the model's order [rad].
+            supports: Hands that lean, each with its world_from_contact (3, 3).
+            command: (n,) in force, in the order of the bus [rad].
+            measured: Loads of this posture: what hangs on free hands belongs to it; None: unknown.
+
+        Raises:
+            ControlError: the posture cannot stand.
+        """
+        if measured is not None:
+            self._payloads.begin(measured, (HANDS[0] not in supports, HANDS[1] not in supports))
+            self.measured = self._payloads.relieve(measured)
+        self.retargeting.reset(joints, supports)
+        self.retargeting.state.posture = self.initial_joints.copy()
+        self.force_control.reset(self.retargeting)
+        self.hands = Hands(self.retargeting, self.at_rest)
+        self.hands.displacements = self._admittance.displacements
+        self.switching = Switching(self.retargeting, self.hands, SENSE_EVERY * self._dt)
+        if self._neck is not None:
+            self._gaze = Gaze(self._neck, command[self._neck.bus_indices], self._dt)
+
+    def weigh(self, state: RobotState) -> Measured:
+        """Return the loads of one state, before `begin`."""
+        return self._loads.update(state)
+
+    def sense(self, state: RobotState) -> list[Finding]:
+        """Take the measurements of one state; returns what is wrong with the contacts."""
+        enabled = self.retargeting.state.enabled
+        left, right = enabled[:2]
+        feet = (0, 1) if left == right else (0, 0) if left else (1, 1)
+        measured = self._loads.update(state, feet)
+        if self.switching.phase == "hold":
+            self._payloads.learn(measured, (not enabled[HANDS[0]], not enabled[HANDS[1]]))
+        self.measured = self._payloads.relieve(measured)
+        self._admittance.step(self.measured, self.retargeting.kinematics.rotations, enabled)
+        return self.switching.supervise(self.measured)
+
+    def switch(self) -> list[Event]:
+        """Advance goals by one tick; returns what happened to them."""
+        events = self.switching.step(self.measured)
+        self.hands.step()
+        return events
+
+    def solve(self, scale: float) -> bool:
+        """Move the desired state, and the offset that lets the robot follow it under load.
+
+        Args:
+            scale: In [0, 1], of the motion.
+
+        Returns:
+            Whether both programs had a solution.
+        """
+        solved = self.retargeting.tick(scale)
+        return self.force_control.tick(self.retargeting, self.measured) and solved
+
+    def command(self) -> Vector:
+        """Return the desired posture with its offset (n,), in the order of the bus [rad]."""
+        state = self.retargeting.state
+        command = self._initial.copy()
+        command[self._model.joint_indices] = (
+            state.q[7:] + self._ahead_time * state.velocity[6:] + self.force_control.offset
+        )
+        if self._gaze is not None:
+            leaning = any(state.enabled[k] for k in HANDS)
+            self._gaze.move_head(command, self.retargeting.kinematics, leaning=leaning)
+        return command
+
+    def away(self) -> tuple[bool, bool]:
+        """Return which hands lean, or are away from their rest: left, right."""
+        left, right = (
+            self.retargeting.state.enabled[k]
+            or float(np.abs(self.hands.targets[k] - self.hands.rest[k]).max()) > AWAY
+            for k in HANDS
+        )
+        return left, right
