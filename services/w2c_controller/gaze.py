@@ -5,6 +5,7 @@ of the torso), then pans (about z); the camera looks along x of the head. With t
 optical axis in the torso is Ry(t) Rz(p) x = (cos t cos p, sin p, -sin t cos p).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from w2c.messages import RobotDescription
+from w2c_controller.compiled import compiled
 from w2c_controller.model import Kinematics
 
 Vector = npt.NDArray[np.float64]
@@ -65,11 +67,42 @@ def find_neck(description: RobotDescription, reduced: pin.Model) -> Neck | None:
     )
 
 
-def neck_angles(direction_in_torso: Vector) -> Vector:
-    """Return tilt and pan (2,) that look along a direction (3,) ahead of the torso [rad]."""
-    x, y, z = direction_in_torso / np.linalg.norm(direction_in_torso)
-    ahead = max(float(x), SIDEWAYS)
-    return np.array([np.arctan2(-z, ahead), np.arctan2(y, np.hypot(ahead, z))])
+@compiled
+def fill_neck_angles(x: float, y: float, z: float, angles: Vector) -> None:
+    """Fill tilt and pan (2,) that look along a direction ahead of the torso [rad]."""
+    length = math.sqrt(x * x + y * y + z * z)
+    ahead = max(x / length, SIDEWAYS)
+    angles[0] = math.atan2(-z / length, ahead)
+    angles[1] = math.atan2(y / length, math.hypot(ahead, z / length))
+
+
+@compiled
+def turn_neck(
+    rotation: Matrix,
+    position: Vector,
+    torso_from_neck: Vector,
+    point: Vector,
+    farther: float,
+    lower: Vector,
+    upper: Vector,
+    step: float,
+    wanted: Vector,
+    angles: Vector,
+) -> None:
+    """Move tilt and pan (2,) by at most a step towards a point in the world, or somewhat beyond it.
+
+    `rotation` (3, 3) and `position` (3,) are those of the torso, `wanted` (2,) is overwritten.
+    """
+    x, y, z = point[0] + farther - position[0], point[1] - position[1], point[2] - position[2]
+    fill_neck_angles(
+        rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z - torso_from_neck[0],
+        rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z - torso_from_neck[1],
+        rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z - torso_from_neck[2],
+        wanted,
+    )
+    for i in range(2):
+        change = min(max(wanted[i], lower[i]), upper[i]) - angles[i]
+        angles[i] += min(max(change, -step), step)
 
 
 class Gaze:
@@ -86,6 +119,7 @@ class Gaze:
         """
         self._neck = neck
         self._angles = np.clip(initial, neck.lower, neck.upper)
+        self._wanted = np.zeros(2)
         self._step = SPEED * dt
         self._height = surface_height
         self._point: Vector | None = None
@@ -98,24 +132,34 @@ class Gaze:
     def move_head(self, command: Vector, kinematics: Kinematics, *, leaning: bool) -> None:
         """Write the head's joints of this tick into a command (n,) in the order of the bus."""
         rotation, position = kinematics.joint_placement(self._neck.torso_joint)
-        command[self._neck.bus_indices] = self.step(rotation, position, leaning=leaning)
+        tilt, pan = self._neck.bus_indices
+        command[tilt], command[pan] = self.step(rotation, position, leaning=leaning)
 
     def step(self, world_from_torso: Matrix, torso_position: Vector, *, leaning: bool) -> Vector:
-        """Return tilt and pan (2,) of this tick [rad].
+        """Return tilt and pan (2,) of this tick [rad]: the array of all ticks.
 
         Args:
             world_from_torso: (3, 3).
             torso_position: (3,) of the torso's frame in the world [m].
             leaning: Whether a hand carries weight.
         """
-        neck = torso_position + world_from_torso @ self._neck.torso_from_neck
+        neck = self._neck
         if self._point is None:
-            self._point = self._where_it_looks(world_from_torso, neck)
-        point = self._point + (np.array([FARTHER, 0.0, 0.0]) if leaning else 0.0)
-        wanted = neck_angles(world_from_torso.T @ (point - neck))
-        wanted = np.clip(wanted, self._neck.lower, self._neck.upper)
-        self._angles = self._angles + np.clip(wanted - self._angles, -self._step, self._step)
-        return self._angles.copy()
+            origin = torso_position + world_from_torso @ neck.torso_from_neck
+            self._point = self._where_it_looks(world_from_torso, origin)
+        turn_neck(
+            world_from_torso,
+            torso_position,
+            neck.torso_from_neck,
+            self._point,
+            FARTHER if leaning else 0.0,
+            neck.lower,
+            neck.upper,
+            self._step,
+            self._wanted,
+            self._angles,
+        )
+        return self._angles
 
     def _where_it_looks(self, world_from_torso: Matrix, neck: Vector) -> Vector:
         """Return the point (3,) where the axis of sight meets the plane, at most 1.5 m away."""

@@ -178,7 +178,7 @@ class Phases(Bookkeeping, ABC):
         elif distance < motion.reached_distance:
             if self._hands.speed(self._effector) < motion.reached_speed:
                 self._emit_new("reached", distance=distance)
-        elif self._travel.rests():
+        elif self._travel.rests() and not self._log.told("unreachable"):
             if self._bump:
                 reason = short_by(distance, "something in the way")
             else:

@@ -3,11 +3,11 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from w2c.geometry import Matrix, Vector
-from w2c_controller.gaze import FARTHER, SPEED, Gaze, Neck, find_neck, neck_angles
+from w2c_controller.gaze import FARTHER, SPEED, Gaze, Neck, fill_neck_angles, find_neck
 from w2c_controller.model import build_model
 from w2c_sim_robot.description import make_description
 
@@ -30,16 +30,19 @@ def axis(angles: Vector) -> Vector:
 
 
 def settle(gaze: Gaze, rotation: Matrix, position: Vector, *, leaning: bool = False) -> Vector:
-    angles = gaze.angles
     for _ in range(4000):
-        angles = gaze.step(rotation, position, leaning=leaning)
-    return angles
+        gaze.step(rotation, position, leaning=leaning)
+    return gaze.angles
 
 
+@settings(deadline=None)
 @given(st.floats(-0.2, 0.7), st.floats(-1.0, 1.0))
 def test_the_angles_of_a_direction_look_along_it(tilt: float, pan: float) -> None:
     direction = axis(np.array([tilt, pan]))
-    np.testing.assert_allclose(neck_angles(direction), [tilt, pan], atol=1e-9)
+    angles = np.zeros(2)
+    x, y, z = (3.0 * float(value) for value in direction)
+    fill_neck_angles(x, y, z, angles)
+    np.testing.assert_allclose(angles, [tilt, pan], atol=1e-9)
 
 
 def test_nothing_moves_while_the_body_stands() -> None:
