@@ -96,7 +96,9 @@ def draw_heat_map(results: Sequence[TrialResult], path: Path) -> None:
             for (i, j), value in np.ndenumerate(values):
                 text = "-" if np.isnan(value) else f"{100 * value:.0f}"
                 axis.text(j, i, text, ha="center", va="center")
-            axis.set_title(f"{TITLES[mode]}\n{title}: {100 * np.nanmean(values):.0f} %")
+            known = values[~np.isnan(values)]
+            mean = f"{100 * known.mean():.0f} %" if known.size else "not run"
+            axis.set_title(f"{TITLES[mode]}\n{title}: {mean}")
             axis.set_xticks(range(len(MASSES)), [f"{mass:g}" for mass in MASSES])
             axis.set_yticks(range(len(SPEEDS)), [f"{100 * speed:g}" for speed in SPEEDS])
     for axis in axes[-1]:
