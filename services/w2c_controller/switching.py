@@ -154,7 +154,8 @@ class Switching(Phases):
         """End goals; unload a hand that has no support."""
         k, reason = finding.effector, finding.text()
         contact = self._contacts.get(k)
-        if contact is not None and finding.cause == "contact_lost" and contact is not self.goal:
+        told_anyway = contact is self.goal and self._unfinished()
+        if contact is not None and finding.cause == "contact_lost" and not told_anyway:
             self._log.add(Event(contact.goal_id, k, contact.task, "aborted", reason))
         self.abort(reason)
         if k in FEET:

@@ -61,6 +61,19 @@ def test_a_hand_that_lost_its_support_is_unloaded_and_the_robot_holds(
     assert len(leaning.findings) == 1
 
 
+def test_the_goal_of_a_contact_ends_when_its_support_is_lost(
+    model: ControlledModel, joints: Array
+) -> None:
+    world = ContactWorld(model, joints, {RIGHT_HAND: TABLE})
+    world.switching.place(make_goal(BOOK, goal_id="lean"))
+    assert world.run(30.0, "loaded") == "loaded"
+    world.run(2.0)
+    world.gone.add(RIGHT_HAND)
+    world.run(1.0)
+    assert world.told()[-1] == ("lean", "aborted")
+    assert [state for _, state in world.told()].count("aborted") == 1
+
+
 def test_a_lost_foot_holds_and_stays_a_contact(leaning: ContactWorld) -> None:
     leaning.gone.add(LEFT_FOOT)
     leaning.run(0.5)
