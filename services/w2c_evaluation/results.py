@@ -89,10 +89,13 @@ def results_table(results: dict[str, Any]) -> str:
         spread = "" if low == high else f" [{low:.4g}, {high:.4g}]"
         text = f"{value}{spread} {entry['unit']}"
         lines.append(f"| {entry['case']} | {entry['metric']} | {text} | {entry['n']} |")
+    return "\n".join([*lines, "", origin(results)])
+
+
+def origin(results: dict[str, Any]) -> str:
+    """Return in one line where results come from."""
     machine = results["machine"]
-    lines.append("")
-    lines.append(
+    return (
         f"Commit `{results['commit']}`, first seed {results['seed']}, "
         f"{machine['processor']}, {machine['cores']} cores."
     )
-    return "\n".join(lines)

@@ -94,7 +94,7 @@ class PushResult(msgspec.Struct, frozen=True, kw_only=True):
     loaded: bool
     """Whether the controller said that the hand carries what it should"""
     mean_abs_error: float
-    """From when the commanded force was reached by the model, or loading ended [N]"""
+    """Since the hand was loaded, or in the last 5 s before the controller gave up loading [N]"""
     rms_error: float
     steady_error: float
     """Mean over the last 2 s, signed [N]"""

@@ -12,7 +12,7 @@ from w2c_evaluation.pool import ResultFile, run_all
 from w2c_evaluation.pushes.cases import PushResult, all_cases
 from w2c_evaluation.pushes.report import draw_pushes, format_table, make_rows
 from w2c_evaluation.pushes.trial import run_push
-from w2c_evaluation.results import make_results, write_results
+from w2c_evaluation.results import make_results, origin, write_results
 
 
 class PushesConfig(msgspec.Struct, frozen=True, kw_only=True):
@@ -34,6 +34,8 @@ class PushesConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Write the results to this file; empty = results.json in the run directory."""
     image: str = ""
     """Write the plot to this PNG; empty = pushes.png in the run directory."""
+    table: str = ""
+    """Write the table to this Markdown file; empty = table.md in the run directory."""
 
 
 def bench(arguments: list[str] | None = None) -> int:
@@ -54,11 +56,11 @@ def bench(arguments: list[str] | None = None) -> int:
         file.add(result)
         results[result.case.name, result.trial] = result
     ordered = [results[case.name, trial] for case, trial in wanted]
-    print(format_table(ordered))
-    write_results(
-        make_results("pushes", config.seed, make_rows(ordered)),
-        Path(config.json) if config.json else directory / "results.json",
-    )
+    document = make_results("pushes", config.seed, make_rows(ordered))
+    write_results(document, Path(config.json) if config.json else directory / "results.json")
+    table = f"# Pushes of the right hand\n\n{format_table(ordered)}\n\n{origin(document)}\n"
+    (Path(config.table) if config.table else directory / "table.md").write_text(table)
+    print(table)
     draw_pushes(ordered, Path(config.image) if config.image else directory / "pushes.png")
     print(f"\nall of it: {directory}")
     return 1 if any(result.fell for result in ordered) else 0

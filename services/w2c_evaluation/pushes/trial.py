@@ -27,6 +27,8 @@ HOLD_S = 12.0
 REACH_S = 60.0
 SETTLED_S = 2.0
 """At the end, for the steady state."""
+UNLOADED_S = 5.0
+"""Before the controller gave up loading: its errors count where it did."""
 NOMINAL_FRICTION = 0.8
 FAR = (1.4, 0.15, 0.95)
 """Out of reach, whatever the other hand does [m]."""
@@ -128,8 +130,10 @@ class Push:
 
     def _result(self, outcome: str, begin: int) -> PushResult:
         case, record = self._case, self._record
-        measured = np.array(record.measured[begin:])
-        wanted = np.array(record.wanted[begin:]) if case.force == 0.0 else case.force
+        before = round(UNLOADED_S / (SAMPLE_TICKS * self._period_s))
+        window = slice(begin, None) if outcome == "loaded" else slice(max(begin - before, 0), begin)
+        measured = np.array(record.measured[window])
+        wanted = np.array(record.wanted[window]) if case.force == 0.0 else case.force
         errors = measured - wanted
         settled = round(SETTLED_S / (SAMPLE_TICKS * self._period_s))
         slip, slip_seconds = self._slip(begin)

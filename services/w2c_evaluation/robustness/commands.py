@@ -9,7 +9,7 @@ import msgspec
 
 from w2c.config import parse
 from w2c_evaluation.pool import ResultFile, run_all
-from w2c_evaluation.results import make_results, write_results
+from w2c_evaluation.results import make_results, origin, write_results
 from w2c_evaluation.robustness.grid import (
     MASSES,
     MODES,
@@ -50,6 +50,8 @@ class RobustnessConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Write the results to this file; empty = results.json in the run directory."""
     image: str = ""
     """Write the heat map to this PNG; empty = heat_map.png in the run directory."""
+    table: str = ""
+    """Write the tables to this Markdown file; empty = tables.md in the run directory."""
 
 
 def bench(arguments: list[str] | None = None) -> int:
@@ -61,11 +63,14 @@ def bench(arguments: list[str] | None = None) -> int:
     wanted = list(cells(config.modes, config.speeds, config.masses, config.trials))
     targets = _targets(config, directory, wanted)
     results = _trials(config, directory, wanted, targets)
-    print(format_tables(results))
     document = make_results("robustness", config.seed, make_rows(results))
     document["stiffness"] = config.stiffness
     write_results(document, Path(config.json) if config.json else directory / "results.json")
     draw_heat_map(results, Path(config.image) if config.image else directory / "heat_map.png")
+    title = f"# Far reaches with an unknown mass, stiffness x{config.stiffness:g}"
+    tables = f"{title}\n\n{format_tables(results)}\n\n{origin(document)}\n"
+    (Path(config.table) if config.table else directory / "tables.md").write_text(tables)
+    print(tables)
     print(f"\nall of it: {directory}")
     return 0
 
