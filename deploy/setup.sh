@@ -68,4 +68,12 @@ fi
 
 say "installing words2contact[$EXTRAS] into $VENV"
 pip install -q --find-links .wheels "${index[@]}" -c constraints.txt -e ".[$EXTRAS]"
+
+# --- the controller's arithmetic, compiled once for this processor; a start need not wait for it ------
+case ",$EXTRAS," in
+*,all,* | *,controller,* | *,robot-host,*)
+    say "compiling the controller's arithmetic (up to two minutes, once)"
+    "$VENV/bin/python" -m w2c_controller.warm || say "not compiled now; the first start of the controller will"
+    ;;
+esac
 if [ -x "$VENV/bin/w2c" ]; then say "done"; else say "installation left no $VENV/bin/w2c"; exit 1; fi

@@ -6,11 +6,11 @@ The offset winds up the springs of position-controlled joints so that the contac
 desired state wants them to (`ForceControl`). Without it a hand touches, and carries nothing.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from msgspec.structs import replace
 
 from w2c.messages import JointCommand, RobotDescription, RobotState
 from w2c.messages.control import Phase
@@ -31,6 +31,7 @@ from w2c_controller.state_tree import restore
 from w2c_controller.stop import Stop
 from w2c_controller.summary import Snapshot, summarize
 from w2c_controller.takeover import Takeover
+from w2c_controller.vectors import largest_difference
 from w2c_controller.whole_body import WholeBody
 
 Vector = npt.NDArray[np.float64]
@@ -207,7 +208,7 @@ class Controller:
 
     def _go_on(self, state: RobotState) -> None:
         """Begin again from the command in force, after a hold or where it is not ours."""
-        foreign = np.abs(state.command - self._command).max() > FOREIGN_COMMAND
+        foreign = largest_difference(state.command, self._command) > FOREIGN_COMMAND
         if self._aborted or foreign:
             self._aborted = False
             self._rejoin(state)

@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -30,9 +31,8 @@ REMEMBERED = 1000
 """Ids of goals that were taken: the same goal again is a replay, not another wish."""
 
 
-@dataclass(frozen=True)
-class Situation:
-    """What admission must know of the loop; replaced as a whole."""
+class Situation(msgspec.Struct, frozen=True):
+    """What admission must know of the loop; replaced as a whole, at each tick."""
 
     tick: int = 0
     ready: bool = False

@@ -18,13 +18,14 @@ from w2c_controller.gaze import Gaze, find_neck
 from w2c_controller.guards import SENSE_EVERY
 from w2c_controller.hands import Hands
 from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.parameters import HANDS, Parameters
+from w2c_controller.parameters import HANDS, LEFT_HAND, RIGHT_HAND, Parameters
 from w2c_controller.payload import Payloads
 from w2c_controller.retargeting import Retargeting
 from w2c_controller.sensing import LoadEstimator, Measured
 from w2c_controller.solvers import FallbackSolver
 from w2c_controller.supervision import Finding
 from w2c_controller.switching import Switching
+from w2c_controller.vectors import largest_difference
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -158,9 +159,8 @@ class WholeBody:
 
     def away(self) -> tuple[bool, bool]:
         """Return which hands lean, or are away from their rest: left, right."""
-        left, right = (
-            self.retargeting.state.enabled[k]
-            or float(np.abs(self.hands.targets[k] - self.hands.rest[k]).max()) > AWAY
-            for k in HANDS
-        )
+        _, _, leans_left, leans_right = self.retargeting.state.enabled
+        targets, rest = self.hands.targets, self.hands.rest
+        left = leans_left or largest_difference(targets[LEFT_HAND], rest[LEFT_HAND]) > AWAY
+        right = leans_right or largest_difference(targets[RIGHT_HAND], rest[RIGHT_HAND]) > AWAY
         return left, right

@@ -1,10 +1,9 @@
 """Goals that are refused, each with its reason; nothing moves."""
 
-from dataclasses import replace
-
 import msgspec
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from w2c.errors import GoalRefusedError
 from w2c.messages import Array, EndEffector, PlaceGoal, ReleaseGoal, Task
