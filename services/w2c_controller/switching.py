@@ -9,6 +9,7 @@ a foot is lifted a little and stays there. A hand that leans already and gets an
 same place goes from contact to load. Every phase that waits has a limit, and says why it gave up.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,11 +17,13 @@ import numpy.typing as npt
 
 from w2c.errors import GoalRefusedError
 from w2c.geometry import unit
-from w2c_controller.events import Event
+from w2c_controller.events import Event, GoalPhase
 from w2c_controller.goals import Goal
 from w2c_controller.grasp import pointing_rotation
+from w2c_controller.hands import Hands
+from w2c_controller.on_surface import OnSurface
 from w2c_controller.parameters import FEET
-from w2c_controller.phases import Phases
+from w2c_controller.retargeting import Retargeting
 from w2c_controller.routes import approach, way_back
 from w2c_controller.sensing import Measured
 from w2c_controller.supervision import Finding
@@ -29,8 +32,26 @@ Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 
 
-class Switching(Phases):
+class Switching(OnSurface):
     """One goal at a time; hands that lean, or hold a reached point, stay as they are meanwhile."""
+
+    def __init__(self, retargeting: Retargeting, hands: Hands, sense_period: float) -> None:
+        """Begin with whatever contacts the desired state has.
+
+        Args:
+            retargeting: Owns the desired state.
+            hands: Takes the targets of what is free.
+            sense_period: Time between two measurements [s].
+        """
+        super().__init__(retargeting, hands, sense_period)
+        self._steps: dict[GoalPhase, Callable[[Measured], None]] = {
+            "approach": self._approach,
+            "touch": self._touch,
+            "load": self._load,
+            "reach": self._reach,
+            "unload": self._unload,
+            "retreat": self._retreat,
+        }
 
     def place(self, goal: Goal) -> None:
         """Begin a goal; its end effector leaves its support first where it has one."""
@@ -173,10 +194,9 @@ class Switching(Phases):
         for k in range(4):
             self._slipped[k] += self._sense_period
             wanted = state.enabled[k] and not state.releasing[k]
-            carries = self._watch.watched[k] or (
-                self.normal_load(k, measured) > self._supervision.lost_desired[k >= 2]
-            )
-            self._watch.set(k, wanted and bool(carries))
+            if wanted and not self._watch.watched[k]:
+                wanted = self.normal_load(k, measured) > self._supervision.lost_desired[k >= 2]
+            self._watch.set(k, wanted)
 
 
 def _sole_on(normal: Vector, forward: Vector) -> Matrix:
