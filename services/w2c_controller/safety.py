@@ -36,7 +36,7 @@ class Rule:
 _RESUME = "look at the robot, then: w2c resume"
 
 RULES: dict[SafetyCause, Rule] = {
-    "sensor_not_finite": Rule("pauses", "by itself", 0.02, "check the sensor and its cable"),
+    "sensor_not_finite": Rule("pauses", "by itself", 0.05, "check the sensor and its cable"),
     "sensor_frozen": Rule(
         "holds", "by itself", 0.5, "check the driver: its readings do not change"
     ),
