@@ -45,7 +45,7 @@ from w2c_controller.rehearsal import rehearse
 from w2c_controller.removal import check_removal, stays_there
 from w2c_controller.reports import Reports
 from w2c_controller.safety import Hazard
-from w2c_controller.search import StaticSearch
+from w2c_controller.search_process import SearchProcess
 from w2c_controller.timing import Timing
 
 STATUS_EVERY = 25
@@ -59,7 +59,7 @@ SNAPSHOT_PHASE = 137
 POLL_S = 0.1
 RETRY_S = 0.2
 SWITCH_INTERVAL_S = 0.0003
-"""A preview shares the interpreter with the loop, and must let go of it quickly."""
+"""Calls share the interpreter with the loop, and must let go of it quickly."""
 RESUME_PATIENCE_S = 0.5
 
 log = logging.getLogger("w2c.controller")
@@ -86,14 +86,18 @@ class ControllerNode:
         self._last = self._keeper.last()
         self._kept: tuple[str, Enabled] = "", STANDING
         self._begun = ""
-        self._searching = threading.Lock()
-        """Among the threads of calls; the loop never takes it"""
+        self.search = SearchProcess()
         self._switch_interval = sys.getswitchinterval()
 
     @property
     def detail(self) -> str:
         """What people should know of this process: what the system did not grant."""
         return self._granted.trouble
+
+    @property
+    def collections(self) -> int:
+        """Runs of the garbage collector since the loop began."""
+        return self._collector.runs
 
     def configure(self) -> None:
         """Ask the robot what it is, build the model, and take calls."""
@@ -139,6 +143,7 @@ class ControllerNode:
         """Tell what waits, and give the interpreter back as it was."""
         self._reports.stop()
         self._keeper.stop()
+        self.search.close()
         sys.setswitchinterval(self._switch_interval)
 
     # --- the loop --------------------------------------------------------------------------------
@@ -193,7 +198,7 @@ class ControllerNode:
         if state.tick % STATISTICS_EVERY == 0:
             reports.statistics(
                 stamp_ns, state.tick, self._timing, self._feed, self._skipped, self._meters,
-                self._collector.runs, self._granted,
+                self.collections, self._granted,
             )  # fmt: skip
         if controller.takeover.how != self._begun:
             self._begun = controller.takeover.how
@@ -274,7 +279,7 @@ class ControllerNode:
     def _build(self, description: RobotDescription) -> None:
         self._description = description
         self.controller = Controller(description)
-        self._search = StaticSearch(self.controller.model)
+        self.search.begin(description)
         self._timing = Timing(description.period_ns)
         self._meters = QpMeter(self.controller.solvers[0]), QpMeter(self.controller.solvers[1])
         self._answer = None
@@ -315,9 +320,8 @@ class ControllerNode:
         if not moves or not now.enabled[contact] or controller.requests.last_support(contact):
             return
         state = controller.desired_copy(timeout_s=1.0)
-        with self._searching:
-            if goal is None or not stays_there(self._search, state, goal):
-                check_removal(self._search, state, contact)
+        if goal is None or not self.search.ask(stays_there, state, goal):
+            self.search.ask(check_removal, state, contact)
 
     def _stop(self, request: StopRequest, context: CallContext) -> StopReply:
         """Hold at once, and have the driver hold, which outlives this process."""
@@ -343,7 +347,6 @@ class ControllerNode:
         return ResumeReply(holding=bool(holding), text=holding)
 
     def _preview(self, request: PlaceGoal, _: CallContext) -> PreviewReply:
-        """Search on a copy of the desired state; the loop goes on meanwhile."""
+        """Search on a copy of the desired state, in a process of its own: the loop goes on."""
         state = self.controller.desired_copy(timeout_s=1.0)
-        with self._searching:
-            return preview(self._search, state, request)
+        return self.search.ask(preview, state, request)

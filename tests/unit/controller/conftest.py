@@ -7,6 +7,7 @@ from w2c.messages import Array, RobotDescription
 from w2c_controller.model import ControlledModel, build_model
 from w2c_controller.parameters import Parameters
 from w2c_controller.retargeting import Retargeting
+from w2c_controller.search import StaticSearch
 from w2c_sim_robot.description import make_description
 
 
@@ -32,3 +33,9 @@ def retargeting(model: ControlledModel, joints: Array) -> Retargeting:
     standing = Retargeting(model, Parameters(), 0.01)
     standing.reset(joints)
     return standing
+
+
+@pytest.fixture(scope="session")
+def search(model: ControlledModel) -> StaticSearch:
+    """One for all tests: each begins from a state of its own."""
+    return StaticSearch(model)

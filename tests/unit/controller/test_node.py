@@ -47,6 +47,7 @@ class Cell:
         self.controller_bus = hub.connect("controller")
         self.node = ControllerNode(ControllerConfig(robot="test"), self.controller_bus, RealClock())
         self.node.configure()
+        wait_until(lambda: self.node.search.ready, 60.0)
         self._stop = threading.Event()
         self._threads = [
             threading.Thread(target=node.run, args=(self._stop,))
@@ -107,7 +108,7 @@ def test_goals_previews_and_stop_over_the_bus(cell: Cell) -> None:
     assert event.message.state == "accepted"
     with pytest.raises(RefusedError, match="behind"):
         cell.operator.call(topics.PLACE, _reach((-0.6, 0.3, 1.0)))
-    preview = cell.operator.call(topics.PREVIEW, _reach((1.5, 0.3, 0.9)), timeout_s=30.0).message
+    preview = cell.operator.call(topics.PREVIEW, _reach((1.5, 0.3, 0.9))).message
     assert not preview.reachable
     assert preview.distance > 0.2
     assert cell.operator.call(topics.CONTROLLER_STOP, StopRequest(reason="test")).message.mode == (
@@ -127,7 +128,9 @@ def test_a_contact_that_must_stay_is_refused_before_anything_moves(
     cell.wait_status("hold")
     lift = ReleaseGoal(goal_id="lift", end_effector="left_foot")
     with monkeypatch.context() as patched:
-        patched.setattr(StaticSearch, "free", lambda _search, _contact: False)
+        search = StaticSearch(cell.node.controller.model)
+        patched.setattr(search, "free", lambda _contact: False)
+        patched.setattr(cell.node.search, "ask", lambda question, *args: question(search, *args))
         with pytest.raises(RefusedError, match="left foot cannot be taken off its support"):
             cell.operator.call(topics.RELEASE, lift)
     assert cell.events.receive(0.0) is None

@@ -19,11 +19,6 @@ BOOK = np.array([0.48, -0.25, 0.84])
 REACHED = Parameters().motion.reached_distance
 
 
-@pytest.fixture(scope="module")
-def search(model: ControlledModel) -> StaticSearch:
-    return StaticSearch(model)
-
-
 @pytest.fixture
 def standing(search: StaticSearch, joints: Array) -> DesiredState:
     search.start(joints)
