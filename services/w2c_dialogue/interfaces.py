@@ -5,7 +5,15 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from w2c.bus.codec import Input
-from w2c.messages import CameraView, GoalReply, LiftReply, PhraseEvidence, PlaceGoal
+from w2c.messages import (
+    CameraView,
+    GoalReply,
+    HeightField,
+    LiftReply,
+    PhraseEvidence,
+    PlaceGoal,
+    PreviewReply,
+)
 from w2c_dialogue.prompts.base import Question
 
 
@@ -56,9 +64,15 @@ class Lift(Protocol):
     def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
         """Return the world point behind a pixel. Raises RefusedError where there is no depth."""
 
+    def heights(self, frame_stamp_ns: int) -> HeightField:
+        """Return how high things stand in a frame. Raises CallError."""
+
 
 class Controller(Protocol):
     """Moves the robot."""
+
+    def preview(self, goal: PlaceGoal) -> PreviewReply:
+        """Return how a goal would end. Raises CallError."""
 
     def place(self, goal: PlaceGoal) -> GoalReply:
         """Start to move. Raises RefusedError, with a reason for the operator."""

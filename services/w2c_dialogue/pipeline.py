@@ -28,6 +28,7 @@ from w2c_dialogue.frames import FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
 from w2c_dialogue.locating import locate
 from w2c_dialogue.outcome import Outcome, goal_of
+from w2c_dialogue.outlook import foresee, with_obstacles
 from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.selector import select
 from w2c_dialogue.sight import Prediction
@@ -216,11 +217,13 @@ class Dialogue:
                 services.lift(shown.target.u, shown.target.v, shown.target.frame_stamp_ns)
             )
         limb, task, assumed = self._limb_and_task(shown, services)
+        request = goal_of(self._conversation.next_id("goal"), shown.target, limb, task)
+        outlook = foresee(request, services)
+        request = with_obstacles(request, self._frames, services)
         if self._stops != stops:
             raise RefusedError(
                 "You said stop meanwhile; I did not move. Confirm again to go there."
             )
-        request = goal_of(self._conversation.next_id("goal"), shown.target, limb, task)
         try:
             services.place(request)
         except DeadlineError as error:
@@ -229,7 +232,7 @@ class Dialogue:
                 "and say stop to hold."
             ) from error
         target = self._conversation.confirm(request.goal_id, limb, task, self._clock.now_ns())
-        reply = replies.confirmed(limb, task, assumed=assumed)
+        reply = replies.confirmed(limb, task, assumed=assumed, outlook=outlook)
         return Outcome("confirmation", reply, target, self._conversation.goal)
 
     def _limb_and_task(self, shown: Shown, services: Services) -> tuple[EndEffector, Task, bool]:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
+import msgspec
+
 from w2c import topics
 from w2c.bus import Bus
 from w2c.errors import RefusedError, W2CError
@@ -11,14 +13,20 @@ from w2c.messages import (
     CompleteRequest,
     GoalReply,
     GroundingRequest,
+    HeightField,
+    HeightFieldRequest,
     LiftReply,
     LiftRequest,
     PhraseEvidence,
     PlaceGoal,
+    PreviewReply,
     StopRequest,
 )
 from w2c_dialogue.interfaces import Choice, Frame
 from w2c_dialogue.prompts.base import Question
+
+PREVIEW_TIMEOUT_S = 2.0
+"""Most take a twentieth of a second; the goal goes without where none comes."""
 
 
 class RemoteServices:
@@ -63,6 +71,16 @@ class RemoteServices:
         """Find the point of the world behind a pixel."""
         request = LiftRequest(u=u, v=v, frame_stamp_ns=frame_stamp_ns)
         return self._bus.call(topics.LIFT, request).message
+
+    def heights(self, frame_stamp_ns: int) -> HeightField:
+        """Find how high things stand in a frame."""
+        request = HeightFieldRequest(frame_stamp_ns=frame_stamp_ns)
+        return self._bus.call(topics.HEIGHT_FIELD, request).message
+
+    def preview(self, goal: PlaceGoal) -> PreviewReply:
+        """Find how a goal would end, without obstacles: a preview knows nothing of ways."""
+        request = msgspec.structs.replace(goal, obstacles=None)
+        return self._bus.call(topics.PREVIEW, request, timeout_s=PREVIEW_TIMEOUT_S).message
 
     def place(self, goal: PlaceGoal) -> GoalReply:
         """Set the robot in motion."""

@@ -12,6 +12,8 @@ SERVICES = {
     "effector": "language model",
     "grounding": "grounding service",
     "lift": "perception",
+    "heights": "perception",
+    "preview": "controller",
     "place": "controller",
 }
 """Who does the work of a step."""
@@ -60,13 +62,13 @@ def correction(target: Target, du: float, dv: float) -> str:
     return _with_warning(f"Moved {' and '.join(parts) or 'to the border of the picture'}.", target)
 
 
-def confirmed(effector: EndEffector, task: Task, *, assumed: bool) -> str:
-    """Return the answer to a yes."""
+def confirmed(effector: EndEffector, task: Task, *, assumed: bool, outlook: str = "") -> str:
+    """Return the answer to a yes; `outlook` is how it will end where that is not well."""
     limb = effector.replace("_", " ")
     stands = effector in ("left_foot", "right_foot")
     verb = "step there" if stands else "lean on it" if task == "contact" else "reach for it"
     side = f" You named no hand; I take the {limb}, which is on that side." if assumed else ""
-    return f"I {verb} with my {limb}.{side} Say stop to hold."
+    return f"I {verb} with my {limb}.{outlook}{side} Say stop to hold."
 
 
 def moving(goal: Goal) -> str:

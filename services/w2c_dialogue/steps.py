@@ -5,7 +5,14 @@ from contextlib import contextmanager
 from typing import Any, Literal
 
 from w2c.clock import Clock
-from w2c.messages import GoalReply, LiftReply, PhraseEvidence, PlaceGoal
+from w2c.messages import (
+    GoalReply,
+    HeightField,
+    LiftReply,
+    PhraseEvidence,
+    PlaceGoal,
+    PreviewReply,
+)
 from w2c_dialogue.interfaces import Choice, Controller, Frame, Grounding, LanguageModel, Lift
 from w2c_dialogue.prompts.base import Question
 
@@ -85,6 +92,16 @@ class Services:
         """Find the depth of a pixel."""
         with self._steps.measure("lift"):
             return self._lift.lift(u, v, frame_stamp_ns)
+
+    def heights(self, frame_stamp_ns: int) -> HeightField:
+        """Find how high things stand in a frame."""
+        with self._steps.measure("heights"):
+            return self._lift.heights(frame_stamp_ns)
+
+    def preview(self, goal: PlaceGoal) -> PreviewReply:
+        """Find how a goal would end."""
+        with self._steps.measure("preview"):
+            return self._controller.preview(goal)
 
     def place(self, goal: PlaceGoal) -> GoalReply:
         """Set the robot in motion."""

@@ -6,7 +6,15 @@ from typing import Any, Literal
 import numpy as np
 
 from w2c.errors import RefusedError, W2CError
-from w2c.messages import Box, GoalReply, LiftReply, PhraseEvidence, PlaceGoal
+from w2c.messages import (
+    Box,
+    GoalReply,
+    HeightField,
+    LiftReply,
+    PhraseEvidence,
+    PlaceGoal,
+    PreviewReply,
+)
 from w2c_dialogue.interfaces import Choice, Frame
 from w2c_dialogue.prompts.base import Question
 
@@ -86,6 +94,20 @@ class TableTop:
         self.error: W2CError | None = None
         self.asked: list[tuple[float, float, int]] = []
         self.reach = 0.6
+        self.heights_error: W2CError | None = None
+        self.heights_of: list[int] = []
+
+    def heights(self, frame_stamp_ns: int) -> HeightField:
+        """Return an empty table."""
+        self.heights_of.append(frame_stamp_ns)
+        if self.heights_error is not None:
+            raise self.heights_error
+        return HeightField(
+            stamp_ns=frame_stamp_ns,
+            origin=(0.4, -0.5),
+            cell=0.1,
+            heights=np.full((5, 10), 0.8, np.float32),
+        )
 
     def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
         """Return a point of the table."""
@@ -110,7 +132,17 @@ class GoalTaker:
         self.goals: list[PlaceGoal] = []
         self.stops: list[str] = []
         self.refusal = ""
+        self.previewed: list[PlaceGoal] = []
+        self.outlook = PreviewReply(reachable=True, distance=0.001)
+        self.preview_error: W2CError | None = None
         self.stop_error: W2CError | None = None
+
+    def preview(self, goal: PlaceGoal) -> PreviewReply:
+        """Foresee what the test says."""
+        self.previewed.append(goal)
+        if self.preview_error is not None:
+            raise self.preview_error
+        return self.outlook
 
     def place(self, goal: PlaceGoal) -> GoalReply:
         """Take the goal."""

@@ -75,6 +75,10 @@ class Robot:
         bus["perception"].serve(
             topics.LIFT, lambda r, _: self.lift.lift(r.u, r.v, r.frame_stamp_ns)
         )
+        bus["perception"].serve(
+            topics.HEIGHT_FIELD, lambda r, _: self.lift.heights(r.frame_stamp_ns)
+        )
+        bus["controller"].serve(topics.PREVIEW, lambda request, _: self.controller.preview(request))
         bus["controller"].serve(topics.PLACE, lambda request, _: self.controller.place(request))
         bus["robot"].serve(topics.ROBOT_STOP, lambda request, _: self._stop(request.reason))
 

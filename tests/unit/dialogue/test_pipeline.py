@@ -8,7 +8,15 @@ import pytest
 from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
 from w2c.clock import StepClock
 from w2c.errors import DeadlineError, ModelError, RefusedError, UnavailableError
-from w2c.messages import CameraView, ConfirmRequest, GoalEvent, PointRequest, SayRequest, Turn
+from w2c.messages import (
+    CameraView,
+    ConfirmRequest,
+    GoalEvent,
+    PointRequest,
+    PreviewReply,
+    SayRequest,
+    Turn,
+)
 from w2c_dialogue.frames import FrameStore
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.pipeline import Dialogue
@@ -552,3 +560,68 @@ def test_no_words_or_too_many_are_refused_politely(text: str) -> None:
     turn = world.say(text)
     assert not turn.ok
     assert not world.model.questions
+
+
+def test_a_goal_carries_what_the_newest_picture_shows() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
+    (goal,) = world.controller.goals
+    assert goal.obstacles is not None
+    assert world.lift.heights_of == [goal.obstacles.stamp_ns]
+
+
+def test_without_heights_the_goal_goes_without_and_the_log_says_so(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    world.lift.heights_error = DeadlineError("perception/heights: no reply within 2 s")
+    assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
+    assert world.controller.goals[0].obstacles is None
+    assert "without obstacles" in caplog.text
+
+
+def test_a_support_that_cannot_be_leaned_on_is_refused_with_the_reason() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    world.controller.outlook = PreviewReply(
+        reachable=False, distance=0.2, reason="the right hand ends 20.0 cm short of the point"
+    )
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert "cannot lean there: the right hand ends 20.0 cm short" in turn.reply
+    assert not world.controller.goals
+    world.controller.outlook = PreviewReply(reachable=True, distance=0.0)
+    assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
+
+
+def test_a_reach_that_ends_short_goes_as_near_as_it_can_and_says_so() -> None:
+    task = [{"effector": "left_hand", "task": "reach"}]
+    world = World(**{**first_words(), "effector": task})
+    world.say(FIRST)
+    world.controller.outlook = PreviewReply(
+        reachable=False, distance=0.06, reason="the left hand ends 6.0 cm short of the point"
+    )
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert turn.ok
+    assert "I do not expect to get there: the left hand ends 6.0 cm short" in turn.reply
+    assert len(world.controller.goals) == 1
+
+
+def test_a_preview_that_does_not_come_holds_nothing_up() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    world.controller.preview_error = UnavailableError("the search is still starting")
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert turn.ok
+    assert len(world.controller.goals) == 1
+
+
+def test_a_blocked_way_is_told_as_the_controller_tells_it() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    world.controller.refusal = "the way is blocked by something 1.20 m high at x 0.50, y -0.10 m"
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert not turn.ok
+    assert "blocked by something 1.20 m high" in turn.reply
