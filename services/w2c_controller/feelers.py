@@ -5,6 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from w2c_controller.compiled import compiled
 from w2c_controller.parameters import FEET
 from w2c_controller.sensing import Measured
 
@@ -34,17 +35,30 @@ class Feelers:
         """Take what is measured now as zero."""
         self.tares[effector] = measured.force(effector)
 
-    def follow(self, effector: int, measured: Measured, share: float) -> None:
-        """Move the tare by a share of what is left: weight that turns in the air is no contact."""
-        force = measured.force(effector)
-        if np.isfinite(force).all():
-            self.tares[effector] += share * (force - self.tares[effector])
+    def feel(self, effector: int, measured: Measured, limit: float, share: float) -> float:
+        """Return the size of the force on what moves in the air [N]; NaN where the sensor says so.
 
-    def force(self, effector: int, measured: Measured) -> float:
-        """Return the size of the force [N]; NaN where the sensor says so."""
-        x, y, z = (measured.force(effector) - self.tares[effector]).tolist()
-        return math.sqrt(x * x + y * y + z * z)
+        Args:
+            effector: What moves.
+            measured: Forces.
+            limit: A smaller force may be weight that turns: the tare follows it [N].
+            share: How much of it becomes zero, in [0, 1].
+        """
+        return float(_feel(measured.force(effector), self.tares[effector], limit, share))
 
     def normal_force(self, effector: int, measured: Measured) -> float:
         """Return the force out of the surface [N]; NaN where the sensor says so."""
         return float(self.normals[effector] @ (measured.force(effector) - self.tares[effector]))
+
+
+@compiled
+def _feel(force: Vector, tare: Vector, limit: float, share: float) -> float:
+    """Return the size of a force (3,) beside its tare (3,), which follows where it is small."""
+    square = 0.0
+    for i in range(3):
+        square += (force[i] - tare[i]) ** 2
+    size = math.sqrt(square)
+    if size <= limit:
+        for i in range(3):
+            tare[i] += share * (force[i] - tare[i])
+    return size

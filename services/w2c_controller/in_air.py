@@ -65,14 +65,10 @@ class InAir(Phases):
             self.feelers.tare(k, measured)
             self._tared = True
         limit = self._motion_of(k).bump_force
-        force = self.feelers.force(k, measured)
-        if force > limit:
-            return self._bumped(force, limit)
         at_target = self.phase == "reach" or (self.phase == "approach" and leg > 0)
-        if not at_target:
-            share = min(self._sense_period / self._supervision.bump_settle, 1.0)
-            self.feelers.follow(k, measured, share)
-        return None
+        share = 0.0 if at_target else self._tare_share
+        force = self.feelers.feel(k, measured, limit, share)
+        return self._bumped(force, limit) if force > limit else None
 
     def _bumped(self, force: float, limit: float) -> Finding | None:
         """Hold what touched something on its way: it reaches, it does not push."""

@@ -1,5 +1,6 @@
 """What all phases of a goal share: the parts they work on, how one begins, and how one ends."""
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import replace
 
@@ -57,6 +58,8 @@ class Phases(Bookkeeping, ABC):
         self._supervision = parameters.supervision
         self._dt = retargeting.dt
         self._sense_period = sense_period
+        self._tare_share = min(sense_period / self._supervision.bump_settle, 1.0)
+        """How much of a small force in the air becomes zero in a measurement"""
         self.feelers = Feelers()
         self._contacts: dict[int, Goal] = {}
         """The goals that made the contacts of now"""
@@ -67,8 +70,10 @@ class Phases(Bookkeeping, ABC):
         self._travel = Travel(hands, self._motion, parameters.filters.lead_position, self._dt)
         self._pushes = {k: PushCommand(parameters.push, self._dt) for k in HANDS}
         self._watch = ContactWatch(self._supervision, sense_period)
-        self._slipped = [float("inf")] * 4
-        """How long ago each contact slipped [s]"""
+        self._sensed = 0
+        """Measurements so far"""
+        self._slipped = [-math.inf] * 4
+        """At which of them each contact slipped last"""
         self._ramp = Standstill(
             self._motion.ramp_stall_force, self._motion.ramp_stall_time, self._dt
         )
@@ -156,4 +161,4 @@ class Phases(Bookkeeping, ABC):
         if self.goal is None:
             return -1.0
         where = self._hands.position(self.goal.effector)
-        return float(np.linalg.norm(where - self.goal.target))
+        return math.dist(where.tolist(), self.goal.target.tolist())

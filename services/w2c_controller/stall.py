@@ -1,5 +1,7 @@
 """Whether something that should move still does."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -43,16 +45,14 @@ class StallDetector:
 
     def reset(self) -> None:
         """Start to watch anew."""
-        self._anchor: Vector | None = None
+        self._anchor: list[float] = []
         self._still = 0.0
 
     def step(self, position: Vector) -> bool:
         """Look at the position (3,) of this tick [m]."""
-        moved = self._anchor is None or (
-            float(np.linalg.norm(position - self._anchor)) > self._distance
-        )
-        if moved:
-            self._anchor = position.copy()
+        point = position.tolist()
+        if not self._anchor or math.dist(point, self._anchor) > self._distance:
+            self._anchor = point
             self._still = 0.0
         else:
             self._still += self._dt

@@ -95,8 +95,10 @@ class ContactWatch:
         self._wanted = np.array([supervision.lost_desired[k] for k in (foot, foot, hand, hand)])
         self._missing = np.array([supervision.lost_measured[k] for k in (foot, foot, hand, hand)])
         self._farthest = np.array([supervision.slip_distance[k] for k in (foot, foot, hand, hand)])
-        self.watched: Flags = np.zeros(4, dtype=np.bool_)
-        """(4,)"""
+        self.watches = [False] * 4
+        """Which contacts are watched"""
+        self._watched: Flags = np.zeros(4, dtype=np.bool_)
+        """(4,) the same, for compiled code"""
         self._timers = np.zeros((2, 4))
         """(2, 4) how long a contact has been without ground, and overloaded [s]"""
         self._places = np.full((4, 3), np.nan)
@@ -110,9 +112,9 @@ class ContactWatch:
 
     def set(self, effector: int, watched: bool) -> None:
         """Begin or end to watch a contact; it is watched as it was where that is no change."""
-        if self.watched[effector] == watched:
+        if self.watches[effector] == watched:
             return
-        self.watched[effector] = watched
+        self.watches[effector] = self._watched[effector] = watched
         self._timers[:, effector] = 0.0
         self._told[:, effector] = False
         self._places[effector] = np.nan
@@ -123,7 +125,7 @@ class ContactWatch:
     def step(self, state: DesiredState, feelers: Feelers, measured: Measured) -> Finding | None:
         """Look at one measurement; returns the first contact that began not to hold, if any."""
         code = _weigh(
-            self.watched,
+            self._watched,
             state.wrenches,
             measured.feet,
             measured.hands,
@@ -137,7 +139,7 @@ class ContactWatch:
             self._measured,
         )
         slipping = _follow(
-            self.watched,
+            self._watched,
             measured.positions,
             measured.soles,
             self._missing,

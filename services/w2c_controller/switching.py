@@ -107,6 +107,7 @@ class Switching(OnSurface):
         Returns:
             What was found, to be told.
         """
+        self._sensed += 1
         blocked = self._feel(measured)
         self._note_carriers(measured)
         finding = self._watch.step(self._retargeting.state, self.feelers, measured)
@@ -181,22 +182,23 @@ class Switching(OnSurface):
         self.abort(reason)
         if k in FEET:
             return
-        again = self._slipped[k] < self._supervision.slip_again
+        since = (self._sensed - self._slipped[k]) * self._sense_period
+        again = since < self._supervision.slip_again
         if finding.cause == "contact_slips":
-            self._slipped[k] = 0.0
+            self._slipped[k] = self._sensed
         if finding.cause == "contact_lost" or (finding.cause == "contact_slips" and again):
             self._begin_unload(k)
             self._stay = True
 
     def _note_carriers(self, measured: Measured) -> None:
         """Watch the contacts that were found to carry, as long as they shall."""
-        state = self._retargeting.state
+        state, watch = self._retargeting.state, self._watch
         for k in range(4):
-            self._slipped[k] += self._sense_period
             wanted = state.enabled[k] and not state.releasing[k]
-            if wanted and not self._watch.watched[k]:
+            if wanted and not watch.watches[k]:
                 wanted = self.normal_load(k, measured) > self._supervision.lost_desired[k >= 2]
-            self._watch.set(k, wanted)
+            if wanted != watch.watches[k]:
+                watch.set(k, wanted)
 
 
 def _sole_on(normal: Vector, forward: Vector) -> Matrix:

@@ -1,5 +1,7 @@
 """An end effector on a path: the path's clock waits for it, and tells when it is stuck."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -53,12 +55,15 @@ class Travel:
     def follow(self) -> bool:
         """Advance by one tick while the end effector keeps up. Returns whether it is stuck."""
         position = self._hands.position(self._effector)
-        self._keeps_up = float(np.linalg.norm(self.path.position() - position)) < self._lead
-        if self._keeps_up:
-            self.path.advance(self._dt)
-            self._stall.reset()
+        target = self.path.position()
+        self._keeps_up = math.dist(target.tolist(), position.tolist()) < self._lead
+        if not self._keeps_up:
+            self._hands.targets[self._effector] = target
+            return self._stall.step(position)
+        self.path.advance(self._dt)
+        self._stall.reset()
         self._hands.targets[self._effector] = self.path.position()
-        return self._stall.step(position)
+        return False
 
     def rests(self) -> bool:
         """Look at an end effector that follows no path: whether it stopped moving."""
