@@ -1,5 +1,7 @@
 """The solvers, and what happens when they fail."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +17,7 @@ from w2c_controller.solvers import (
     Solver,
     UnsolvedError,
 )
+from w2c_controller.solvers.structure import Structure
 
 
 def _program(lower_row: float = -1.0) -> Program:
@@ -101,6 +104,26 @@ def test_a_wrong_first_set_is_swapped_or_left_to_the_next_solver(
     wrong[program.size : program.size + program.equalities] = 0
     program.active[:] = wrong
     np.testing.assert_allclose(FallbackSolver().solve(program), expected, atol=1e-6)
+
+
+def test_a_program_of_limbs_is_solved_as_if_it_had_none() -> None:
+    rng = np.random.default_rng(8)
+    limbs = [[0, 1, 2, 9], [3, 4, 5]]
+    structure = Structure.of_limbs(9, 2, limbs)
+    program = Program.empty(9, 2, 1, structure)
+    for limb in limbs:
+        block = [row for row in limb if row < 9] + [6, 7, 8]
+        root = rng.standard_normal((8, len(block)))
+        program.hessian[np.ix_(block, block)] += root.T @ root
+    program.gradient[:] = rng.standard_normal(9)
+    program.rows[0, [0, 1, 2, 8]] = rng.standard_normal(4)
+    program.rows[1:] = rng.standard_normal((2, 9))
+    program.lower[9:] = program.upper[9:] = [0.3, -0.2, 0.1]
+    program.lower[0] = 0.5
+    expected = DaqpSolver().solve(program)
+    np.testing.assert_allclose(ActiveSetSolver().solve(program), expected, atol=1e-9)
+    dense = dataclasses.replace(program, structure=Structure.dense(9, 2))
+    np.testing.assert_allclose(ActiveSetSolver().solve(dense), expected, atol=1e-9)
 
 
 def test_the_active_set_stays_with_the_program() -> None:
