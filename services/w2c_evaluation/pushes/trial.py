@@ -32,6 +32,8 @@ UNLOADED_S = 5.0
 NOMINAL_FRICTION = 0.8
 FAR = (1.4, 0.15, 0.95)
 """Out of reach, whatever the other hand does [m]."""
+FAILURES = ("slip", "overload", "lost")
+"""Words of reports on a contact. A hand that sticks again after a slip may be overloaded."""
 SLIDING = 0.02
 """Faster than this along the surface, a hand slips [m/s]."""
 
@@ -111,10 +113,11 @@ class Push:
         return self._loop.run(round(seconds / self._period_s), until=states, watch=self._sample)
 
     def _sample(self) -> bool:
-        """Note what the surface feels, and when the controller speaks of a slip."""
+        """Note what the surface feels, and when the controller says that the contact fails."""
         time = self._robot.tick * self._period_s
         for event in self._loop.events[-2:]:
-            if self._told_s < 0.0 and "slip" in event.reason:
+            fails = event.state == "aborted" and any(word in event.reason for word in FAILURES)
+            if self._told_s < 0.0 and fails:
                 self._told_s, self._answer = time, f"{event.state}: {event.reason}"
         if self._robot.tick % SAMPLE_TICKS == 0:
             truth = self._robot.truth()
