@@ -102,3 +102,39 @@ def test_a_copy_is_independent(retargeting: Retargeting) -> None:
         retargeting.tick()
     assert np.abs(copy.q - retargeting.state.q).max() > 1e-4
     assert copy.target_positions[2, 0] != retargeting.state.target_positions[2, 0]
+
+
+def test_what_is_a_contact_already_is_not_enabled_again(retargeting: Retargeting) -> None:
+    with pytest.raises(ControlError, match="left_foot is a contact already; release it"):
+        retargeting.enable(0, np.eye(3))
+    retargeting.enable(RIGHT_HAND, np.eye(3))
+    with pytest.raises(ControlError, match="right_hand"):
+        retargeting.enable(RIGHT_HAND, np.eye(3))
+
+
+def test_a_hand_in_push_mode_tracks_its_force_along_the_normal(retargeting: Retargeting) -> None:
+    retargeting.enable(RIGHT_HAND, np.eye(3))
+    state = retargeting.state
+    state.pushing[RIGHT_HAND] = True
+    state.push_force[RIGHT_HAND] = 25.0
+    rates = []
+    for _ in range(500):
+        before = state.wrenches[RIGHT_HAND, 2]
+        assert retargeting.tick()
+        rates.append((state.wrenches[RIGHT_HAND, 2] - before) / retargeting.dt)
+    assert max(rates) == pytest.approx(10.0, abs=1e-6)
+    np.testing.assert_allclose(state.wrenches[RIGHT_HAND, :3], [0.0, 0.0, 25.0], atol=1e-2)
+    state.pushing[RIGHT_HAND] = False
+    for _ in range(500):
+        assert retargeting.tick()
+    assert abs(state.wrenches[RIGHT_HAND, 2] - 25.0) > 1.0
+
+
+def test_a_push_beyond_the_limit_of_the_hand_ends_there(retargeting: Retargeting) -> None:
+    retargeting.enable(RIGHT_HAND, np.eye(3))
+    retargeting.state.pushing[RIGHT_HAND] = True
+    retargeting.state.push_force[RIGHT_HAND] = 1e3
+    for _ in range(2000):
+        assert retargeting.tick()
+    highest = retargeting.parameters.limits.hand_force_max
+    assert retargeting.state.wrenches[RIGHT_HAND, 2] <= highest + 1e-6
