@@ -5,6 +5,7 @@ import numpy as np
 from w2c.errors import ControlError
 from w2c.geometry import frame_from_normal
 from w2c.messages import PlaceGoal, PreviewReply
+from w2c_controller.contacts import normal_force_limits
 from w2c_controller.desired import DesiredState
 from w2c_controller.goals import Goal, check_place
 from w2c_controller.grasp import approach_direction, pointing_rotation
@@ -48,9 +49,9 @@ def aim(search: StaticSearch, goal: Goal) -> None:
 
 
 def _preview_load(search: StaticSearch, goal: Goal, distance: float) -> PreviewReply:
-    """Return whether a hand that is at its support can lean on it."""
+    """Return whether an end effector that is at its support can bear weight there."""
     force = search.load(goal.effector, frame_from_normal(goal.normal))
-    least = search.parameters.limits.hand_force_min
+    least, _ = normal_force_limits(search.parameters.limits, goal.effector)
     if force >= least:
         return PreviewReply(reachable=True, distance=distance)
     return PreviewReply(
