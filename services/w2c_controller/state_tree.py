@@ -82,7 +82,9 @@ class _Encoder:
         self._only = only
         self._seen: dict[int, object] = {}
         self._kinds: dict[type, _Kind] = {}
-        self._encoders: dict[type, Callable[[Any], Any]] = {}
+        # Functions, not methods: a method would hold this object, which only the garbage collector
+        # could free then, and the loop keeps that from running.
+        self._encoders: dict[type, Callable[[_Encoder, Any], Any]] = {}
 
     def fields(self, value: Any) -> Any:
         """Return the attributes of an object of this package, by name."""
@@ -116,19 +118,19 @@ class _Encoder:
         encode = self._encoders.get(kind)
         if encode is None:
             encode = self._encoders[kind] = self._encoder(kind)
-        return encode(value)
+        return encode(self, value)
 
-    def _encoder(self, kind: type) -> Callable[[Any], Any]:
+    def _encoder(self, kind: type) -> "Callable[[_Encoder, Any], Any]":
         """Return how objects of a type are encoded."""
         if issubclass(kind, self._constant):
             return _skip
         if issubclass(kind, np.generic):
             return _item
         if issubclass(kind, dict):
-            return self._dict
+            return _Encoder._dict
         if kind.__name__ in _SEQUENCES:
-            return self._sequence
-        return self.fields if kind.__module__.startswith(PACKAGE) else _skip
+            return _Encoder._sequence
+        return _Encoder.fields if kind.__module__.startswith(PACKAGE) else _skip
 
     def _dict(self, value: dict[Any, Any]) -> Any:
         items = [[self._any(key), self._any(held)] for key, held in value.items()]
@@ -207,11 +209,11 @@ class _Decoder:
         return _SEQUENCES[kind](new)
 
 
-def _skip(_: Any) -> Any:
+def _skip(_encoder: _Encoder, _value: Any) -> Any:
     return _SKIP
 
 
-def _item(value: np.generic) -> Any:
+def _item(_encoder: _Encoder, value: np.generic) -> Any:
     return value.item()
 
 
