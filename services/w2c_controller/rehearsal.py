@@ -8,7 +8,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from w2c.bus.codec import decode_message, encode_message
-from w2c.messages import PlaceGoal, RobotDescription, RobotState
+from w2c.messages import HeightField, PlaceGoal, RobotDescription, RobotState
 from w2c_controller.controller import Controller
 from w2c_controller.model import ControlledModel, standing_configuration
 
@@ -20,23 +20,30 @@ REACH = (0.5, 0.3, 1.0)
 
 
 def rehearse(description: RobotDescription) -> None:
-    """Let a controller of its own stand, and begin to reach."""
+    """Let a controller of its own stand, begin to reach, and begin anew on the way."""
     controller = Controller(description)
     torque = _weight(controller.model, np.array(description.initial_position))
     for tick in range(TICKS):
         # As it comes from the bus: what is compiled depends on whether arrays may be written.
         payload = encode_message(_standing(description, tick, torque))
         controller.tick(decode_message(payload, RobotState))
-        if tick == TICKS // 2:
-            controller.requests.place(
-                PlaceGoal(
-                    goal_id="rehearsal",
-                    end_effector="left_hand",
-                    task="reach",
-                    point=np.array(REACH),
-                    normal=np.array([0.0, 0.0, 1.0]),
-                )
-            )
+        if tick in (TICKS // 2, TICKS // 2 + 2):
+            controller.requests.place(_goal(f"rehearsal {tick}"))
+
+
+def _goal(goal_id: str) -> PlaceGoal:
+    """Return a goal over something low."""
+    low = HeightField(
+        stamp_ns=0, origin=(0.4, 0.2), cell=0.02, heights=np.full((4, 4), 0.2, np.float32)
+    )
+    return PlaceGoal(
+        goal_id=goal_id,
+        end_effector="left_hand",
+        task="reach",
+        point=np.array(REACH),
+        normal=np.array([0.0, 0.0, 1.0]),
+        obstacles=low,
+    )
 
 
 def _weight(model: ControlledModel, posture: Vector) -> Vector:
