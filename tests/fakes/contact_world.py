@@ -54,6 +54,10 @@ class ContactWorld:
         self.heights = {0: 0.0, 1: 0.0, **heights}
         self.gone: set[int] = set()
         """End effectors whose surface is there no more"""
+        self.hollow: set[int] = set()
+        """End effectors whose surface bears nothing once it is leaned on"""
+        self.touched_at: list[float] = []
+        """Normal force measured when a contact was enabled, for each [N]"""
         self.extra = np.zeros((4, 3))
         """(4, 3) forces beside those of the surfaces [N]"""
         self.moved = np.zeros((4, 3))
@@ -68,7 +72,8 @@ class ContactWorld:
             if k in self.heights and k not in self.gone:
                 depth = self.heights[k] + RADII[k] - float(kinematics.positions[k, 2])
                 resisted = max(STIFFNESS * depth, 0.0)
-                force += (float(state.wrenches[k, 2]) if state.enabled[k] else resisted) * UP
+                bearing = 0.0 if k in self.hollow else float(state.wrenches[k, 2])
+                force += (bearing if state.enabled[k] else resisted) * UP
             if k in FEET:
                 feet[k, :3] = force
             else:
@@ -83,10 +88,13 @@ class ContactWorld:
     def run(self, seconds: float, until: str = "") -> str:
         """Run until an event, or a time. Returns the event."""
         for _ in range(round(seconds / self.dt)):
-            measured = self.measured()
+            measured, enabled = self.measured(), self.retargeting.state.enabled
             self.findings += self.switching.supervise(measured)
             new = self.switching.step(measured)
             self.events += new
+            for k, was in enumerate(enabled):
+                if self.retargeting.state.enabled[k] and not was:
+                    self.touched_at.append(float(measured.force(k)[2]))
             self.hands.step()
             assert self.retargeting.tick()
             if not self.phases or self.phases[-1] != self.switching.phase:
@@ -98,6 +106,10 @@ class ContactWorld:
     def told(self) -> list[tuple[str, str]]:
         """Return goal and state of each event."""
         return [(event.goal_id, event.state) for event in self.events]
+
+    def states(self) -> list[str]:
+        """Return the state of each event."""
+        return [event.state for event in self.events]
 
     def normal(self, effector: int) -> float:
         """Return the desired normal force [N]."""

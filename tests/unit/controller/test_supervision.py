@@ -106,13 +106,20 @@ def test_a_slip_is_found_within_a_fifth_of_a_second_and_stops_the_motion(
     causes = [finding.cause for finding in leaning.findings]
     assert causes == ["contact_slips"]
     # Which of two feet slips is the one that carries less.
-    if effector == RIGHT_HAND:
-        assert leaning.findings[0].effector == RIGHT_HAND
+    slipping = leaning.findings[0].effector
+    assert (slipping == RIGHT_HAND) == (effector == RIGHT_HAND)
     assert "slips" in leaning.findings[0].text()
     leaning.run(0.05)
     assert [event.goal_id for event in leaning.events[begun:]] == ["cup"]
     assert leaning.switching.phase == "hold"
     assert leaning.retargeting.state.enabled == (True, True, False, True)
+
+
+def test_a_foot_that_slips_far_is_not_taken_for_the_hand(leaning: ContactWorld) -> None:
+    for _ in range(round(0.5 / leaning.dt)):
+        leaning.moved[LEFT_FOOT] += 0.05 * leaning.dt * ALONG
+        leaning.run(leaning.dt)
+    assert {finding.effector for finding in leaning.findings} <= {LEFT_FOOT, RIGHT_FOOT}
 
 
 def test_slow_creep_is_no_slip(leaning: ContactWorld) -> None:
