@@ -171,11 +171,14 @@ def filter_poses(
             )
             for i in range(3):
                 displacements[k, i] = 0.0
+        # Without what gave way: a lead from the displaced hand would carry the filter off with it.
+        for i in range(3):
+            work[i] = positions[k, i] - displacements[k, i]
         filter_position(
             dt,
             settings,
             targets[k],
-            positions[k],
+            work,
             smooth_positions[k],
             speeds[k],
             filtered_positions[k],

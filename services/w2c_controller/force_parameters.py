@@ -62,11 +62,11 @@ class ForceParameters:
     command_margin: float = 0.8
     """Of the Retargeting's margin, that the command keeps from joint limits. SEIKO's is 1: then a
     joint that the posture has at its limit cannot be wound up to bear a torque."""
-    proportional: float = 0.2
-    """Kp, wrench rate over wrench error [1/s]."""
-    damping: float = 0.0
+    proportional: float = 1.0
+    """Kp, wrench rate over wrench error [1/s]. SEIKO's is 0.2."""
+    damping: float = 0.005
     """Kd, signed, on the measured wrench rate. The paper's equation (10) subtracts it (here -0.02),
-    the published code adds it (here +0.005)."""
+    the published code adds it, with this value."""
     complementary_hz: float = 0.2
     """Below it the wrench estimate is the measured one, above it the model's."""
     fade_in: float = 2.0

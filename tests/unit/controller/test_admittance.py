@@ -5,7 +5,9 @@ import pytest
 
 from w2c.messages import Array
 from w2c_controller.admittance import Admittance
+from w2c_controller.filters import PoseFilters
 from w2c_controller.force_parameters import ForceParameters
+from w2c_controller.parameters import Filters
 from w2c_controller.sensing import Measured
 
 DT = 0.008
@@ -107,3 +109,14 @@ def test_without_force_control_nothing_gives_way() -> None:
     admittance = Admittance(ForceParameters(mode="off"), DT)
     pushed(admittance, measured(), 0.1)
     assert not pushed(admittance, measured(np.array([0.0, 0.0, 80.0])), 1.0).any()
+
+
+def test_a_target_that_gave_way_does_not_carry_its_filter_off() -> None:
+    positions, rotations = np.zeros((4, 3)), UPRIGHT.copy()
+    filters = PoseFilters(Filters(), 0.002, positions, rotations)
+    displacements = np.zeros((4, 3))
+    displacements[2, 0] = -0.08
+    targets, reached, turned = np.zeros((4, 3)), positions.copy(), rotations.copy()
+    for _ in range(1000):
+        filters.step(STANDING, targets, rotations, displacements, reached, turned, reached, turned)
+    np.testing.assert_allclose(reached[2], [-0.08, 0.0, 0.0], atol=1e-12)
