@@ -27,7 +27,7 @@ from w2c_controller.solvers.kkt import (
     subtract,
 )
 from w2c_controller.solvers.program import Flags, Matrix, Program, UnsolvedError, Vector
-from w2c_controller.solvers.structure import Structure
+from w2c_controller.solvers.structure import Places, Structure
 
 Indices = npt.NDArray[np.intp]
 
@@ -145,8 +145,10 @@ def solve_active_set(
     order: Indices,
     starts: Indices,
     place: Indices,
-    from_hessian: Indices,
-    from_rows: Indices,
+    to_factor: Places,
+    of_hessian: Places,
+    to_border: Places,
+    of_rows: Places,
     factor: Matrix,
     inverse: Vector,
     reached: Vector,
@@ -165,7 +167,19 @@ def solve_active_set(
         How many sets were tried, or a negative reason.
     """
     n, m = gradient.shape[0], rows.shape[0]
-    load(hessian, gradient, rows, upper, order, starts, from_hessian, from_rows, factor)
+    load(
+        hessian,
+        gradient,
+        rows,
+        upper,
+        order,
+        starts,
+        to_factor,
+        of_hessian,
+        to_border,
+        of_rows,
+        factor,
+    )
     if not factorise(factor, order, starts, n, inverse, reached):
         return _NOT_CONVEX
     for i in range(n + m):

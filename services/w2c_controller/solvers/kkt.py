@@ -20,6 +20,7 @@ from w2c_controller.compiled import compiled
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
+Places = npt.NDArray[np.int32]
 
 LEAST_PIVOT = 1e-13
 """A pivot smaller than this share of its own diagonal entry means a dependent row."""
@@ -33,8 +34,10 @@ def load(
     right: Vector,
     order: Indices,
     starts: Indices,
-    from_hessian: Indices,
-    from_rows: Indices,
+    to_factor: Places,
+    of_hessian: Places,
+    to_border: Places,
+    of_rows: Places,
     factor: Matrix,
 ) -> None:
     """Copy the KKT system into the packed factor (N, width).
@@ -43,13 +46,14 @@ def load(
     of `Structure`.
     """
     size = gradient.shape[0]
-    flat = factor.reshape(factor.size)
+    flat, flat_hessian = factor.reshape(factor.size), hessian.reshape(hessian.size)
+    flat_rows = rows.reshape(rows.size)
     for i in range(flat.shape[0]):
         flat[i] = 0.0
-    for i in range(from_hessian.shape[0]):
-        flat[from_hessian[i, 0]] = hessian[from_hessian[i, 1], from_hessian[i, 2]]
-    for i in range(from_rows.shape[0]):
-        flat[from_rows[i, 0]] = rows[from_rows[i, 1], from_rows[i, 2]]
+    for i in range(to_factor.shape[0]):
+        flat[to_factor[i]] = flat_hessian[of_hessian[i]]
+    for i in range(to_border.shape[0]):
+        flat[to_border[i]] = flat_rows[of_rows[i]]
     trunk = starts[starts.shape[0] - 2]
     total = order.shape[0]
     for block in range(starts.shape[0] - 1):

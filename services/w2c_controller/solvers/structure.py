@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 Indices = npt.NDArray[np.intp]
+Places = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +73,10 @@ class Structure:
         return place
 
     @cached_property
-    def sources(self) -> tuple[Indices, Indices]:
-        """Where the entries of the packed factor come from: (k, 3) of H, and (k, 3) of A.
+    def sources(self) -> tuple[Places, Places, Places, Places]:
+        """Where the entries of the packed factor come from: places in flat arrays.
 
-        Each row is a flat place in the factor, then row and column in the upper triangle of H, or
-        in A.
+        Of the factor and of H (upper triangle), entry by entry; of the factor and of A.
         """
         hessian, equalities = [], []
         trunk = int(self.starts[-2])
@@ -88,10 +88,11 @@ class Structure:
                     at = column - first if inside else end - first + column - trunk
                     low, high = sorted((int(self.order[row]), int(self.order[column])))
                     if high < self.size:
-                        hessian.append((row * self.width + at, low, high))
+                        hessian.append((row * self.width + at, low * self.size + high))
                     elif low < self.size:
-                        equalities.append((row * self.width + at, high - self.size, low))
-        return (
-            np.array(hessian, dtype=np.intp).reshape(-1, 3),
-            np.array(equalities, dtype=np.intp).reshape(-1, 3),
+                        of_a = (high - self.size) * self.size + low
+                        equalities.append((row * self.width + at, of_a))
+        first, second = (
+            np.array(pairs, dtype=np.int32).reshape(-1, 2).T for pairs in (hessian, equalities)
         )
+        return first[0].copy(), first[1].copy(), second[0].copy(), second[1].copy()
