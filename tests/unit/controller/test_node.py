@@ -2,16 +2,20 @@
 
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
 from support.waiting import wait_until
 from w2c import topics
 from w2c.bus import InProcessHub
+from w2c.bus.codec import decode_message
 from w2c.clock import RealClock
-from w2c.errors import ConnectionFailedError, RefusedError
+from w2c.errors import ConnectionFailedError, RefusedError, UnavailableError
 from w2c.messages import (
+    ControllerSnapshot,
     ControllerStatus,
     Empty,
     PlaceGoal,
@@ -171,3 +175,116 @@ def test_a_state_that_comes_again_gets_the_same_answer() -> None:
         node.close()
     np.testing.assert_array_equal(answers[0].position, answers[2].position)
     assert [answer.tick for answer in answers] == [0, 0, 0]
+
+
+class Wire:
+    """A node in real time, and a robot whose every state is made by hand."""
+
+    def __init__(self, directory: Path) -> None:
+        hub = InProcessHub()
+        self.robot, self.operator = hub.connect("robot"), hub.connect("operator")
+        self.description = make_description(lock_step=False)
+        self.robot.serve(topics.DESCRIBE, lambda _request, _context: self.description)
+        self.events = self.operator.queue(topics.SAFETY_EVENT)
+        self.statistics = self.operator.queue(topics.CONTROLLER_STATISTICS)
+        self.commands = self.operator.queue(topics.JOINT_COMMAND)
+        config = ControllerConfig(
+            robot="test", real_time=False, stale_ms=200.0, run_directory=str(directory)
+        )
+        self.bus = hub.connect("controller")
+        self.node = ControllerNode(config, self.bus, RealClock())
+        self.node.configure()
+        self.simulator = Simulator(build_model(None, visuals=False), self.description)
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self.node.run, args=(self._stop,))
+        self._thread.start()
+
+    def close(self) -> None:
+        self._stop.set()
+        self._thread.join(timeout=10.0)
+        self.node.close()
+
+    def send(self, tick: int) -> None:
+        state = self.simulator.state(command_tick=tick - 1, mode="tracking")
+        self.robot.publish(topics.ROBOT_STATE, msgspec.structs.replace(state, tick=tick))
+
+    def answer(self, tick: int) -> int | None:
+        """Return the tick that the next command answers; None where there is none."""
+        self.send(tick)
+        received = self.commands.receive(1.0)
+        return None if received is None else received.message.tick
+
+    def event(self) -> tuple[str, str]:
+        received = self.events.receive(5.0)
+        assert received is not None
+        return received.message.cause, received.message.state
+
+
+@pytest.fixture
+def wire(tmp_path: Path) -> Iterator[Wire]:
+    made = Wire(tmp_path)
+    yield made
+    made.close()
+
+
+def test_without_states_it_says_so_and_goes_on_with_the_next(wire: Wire) -> None:
+    assert wire.answer(1) == 1
+    assert wire.event() == ("state_stale", "begins")
+    with pytest.raises(RefusedError, match="stale"):
+        wire.operator.call(topics.PLACE, _reach((0.6, 0.3, 1.0)))
+    assert wire.answer(2) == 2
+    assert wire.event() == ("state_stale", "ends")
+
+
+def test_a_state_out_of_order_is_told_and_not_answered(wire: Wire) -> None:
+    assert wire.answer(10) == 10
+    assert wire.answer(9) is None
+    assert wire.answer(11) == 11
+    told = {wire.event() for _ in range(2)}
+    assert ("state_out_of_order", "begins") in told or wire.event()[0] == "state_out_of_order"
+    assert wire.bus.counters["state out of order"] == 1
+
+
+def test_statistics_and_snapshots_come_from_the_loop(wire: Wire, tmp_path: Path) -> None:
+    for tick in (1, 2, 5, 250):
+        assert wire.answer(tick) == tick
+    received = wire.statistics.receive(5.0)
+    assert received is not None
+    statistics = received.message
+    assert statistics.ticks == 4
+    assert statistics.skipped_ticks == 246
+    assert statistics.lateness_counts.sum() == statistics.ticks
+    assert statistics.duration_counts.sum() == statistics.ticks
+    assert statistics.retargeting.solved >= 4
+    assert statistics.collections == 0
+    assert not statistics.memory_locked
+    file = tmp_path / "controller_snapshot.msgpack"
+    wait_until(file.is_file, 5.0)
+    kept = decode_message(file.read_bytes(), ControllerSnapshot)
+    assert kept.tick == 1
+    assert kept.reason == "switch"
+    assert kept.controller_boot_id == wire.bus.boot_id
+    replies: list[ControllerSnapshot] = []
+    asking = threading.Thread(
+        target=lambda: replies.append(wire.operator.call(topics.SNAPSHOT, Empty()).message)
+    )
+    asking.start()
+    tick = 251
+    while asking.is_alive():
+        wire.send(tick)
+        tick += 1
+        asking.join(timeout=0.02)
+    assert replies[0].reason == "request"
+    assert replies[0].tick > 250
+
+
+def test_a_stop_that_does_not_reach_the_driver_is_told_and_ends_with_resume(wire: Wire) -> None:
+    assert wire.answer(1) == 1
+    with pytest.raises(UnavailableError, match="the controller holds, but the driver"):
+        wire.operator.call(topics.CONTROLLER_STOP, StopRequest(reason="test"))
+    assert wire.answer(2) == 2
+    assert wire.node.controller.phase == "stopped"
+    assert wire.operator.call(topics.CONTROLLER_RESUME, Empty()).message.holding
+    assert wire.answer(3) == 3
+    assert wire.node.controller.phase != "stopped"
+    assert not wire.operator.call(topics.CONTROLLER_RESUME, Empty()).message.holding
