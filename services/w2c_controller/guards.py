@@ -5,6 +5,7 @@ what is beyond its limits for too long, and whether anything changes at all. Mea
 at every fourth tick, and looked at whenever they are used; commands are looked at at each.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -228,7 +229,8 @@ class Guards:
         """
         limit = self._limits.hand_force
         for row, k in enumerate(HANDS):
-            force = float(np.linalg.norm(measured.hands[row]))
+            x, y, z = measured.hands[row].tolist()
+            force = math.sqrt(x * x + y * y + z * z)
             if not force > limit:
                 self._overloaded[row] = 0.0
                 continue
