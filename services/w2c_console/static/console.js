@@ -65,7 +65,7 @@ function receiveNews(news) {
   } else if (news.type === "panel") {
     target = news.target;
     showPanels(news);
-    stop.follow(news.robot);
+    stop.follow(news.robot, news.controller);
     showTarget();
   } else {
     lastEntry = news.id;

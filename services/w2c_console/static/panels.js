@@ -6,7 +6,7 @@ import { byId, duration, make } from "./dom.js";
 /** Load of a full bar [N]: about the weight that one foot of a Talos carries. */
 const FULL_LOAD = 600;
 /** Phases in which the last goal is history. */
-const RESTING = new Set(["starting", "hold", "stopped"]);
+const RESTING = new Set(["starting", "hold", "held", "stopped"]);
 
 /**
  * @typedef {{name: string, in_contact: boolean, load: number, desired_load: number}} Contact
@@ -51,7 +51,7 @@ function robotLines(robot, controller) {
     chips.append(chip("controller", "unknown", "absent"));
     return [chips];
   }
-  const bad = controller.stale || controller.phase === "stopped";
+  const bad = controller.stale || controller.phase === "stopped" || controller.phase === "held";
   chips.append(chip("controller", controller.stale ? "silent" : controller.phase, bad ? "bad" : "good"));
   const lines = [chips];
   if (controller.stale) lines.push(make("p", { class: "warning" }, `last word ${duration(controller.age_s)} ago:`));

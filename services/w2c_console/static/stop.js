@@ -84,12 +84,17 @@ export class Stop {
   }
 
   /**
-   * Follow what the robot says of itself: someone else may have stopped or resumed it.
+   * Follow what the robot says of itself: someone else may have stopped or resumed it. A controller
+   * that holds for a reason of its own asks for the same button.
    * @param {{mode: string, stamp: string, stale: boolean} | null} robot
+   * @param {{phase: string, stale: boolean, message: string} | null} controller
    */
-  follow(robot) {
+  follow(robot, controller) {
     if (robot === null || robot.stale || this.underWay > 0) return;
-    if (robot.mode === "stopped") {
+    if (controller !== null && !controller.stale && controller.phase === "held") {
+      this.resumeButton.hidden = false;
+      this.show("held", "holding (the controller)", controller.message);
+    } else if (robot.mode === "stopped") {
       this.resumeButton.hidden = false;
       if (this.status.dataset.level !== "held") this.show("held", "holding (stopped)", "");
     } else if (this.status.dataset.level === "held" && BigInt(robot.stamp) > (this.heldSince ?? 0n) + SETTLE_NS) {
