@@ -20,7 +20,6 @@ from w2c_console.journal import turn_entry
 from w2c_console.page import TurnEntry
 from w2c_console.stop import StopLine, StopOutcome, deliver_stop
 
-
 log = logging.getLogger("w2c.console")
 
 

@@ -1,10 +1,11 @@
 """What both buses do alike: envelopes, validation, counting what is dropped, tracing of calls."""
 
+import itertools
 import threading
 import time
 import uuid
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
@@ -45,7 +46,7 @@ class BusBase(ABC):
         self.instance = instance
         self.boot_id = uuid.uuid4().hex[:16]
         self.lock_step = False
-        self._sequences: dict[str, int] = {}
+        self._sequences: dict[str, Iterator[int]] = {}
         self._counters: dict[str, int] = {}
         self._lock = threading.Lock()
 
@@ -154,9 +155,9 @@ class BusBase(ABC):
 
     def _wrap(self, key: str, message: Message, inputs: Sequence[Input]) -> tuple[bytes, int]:
         """Return the bytes of the message in its envelope, and its sequence number on the key."""
-        with self._lock:
-            sequence = self._sequences.get(key, 0)
-            self._sequences[key] = sequence + 1
+        # Without a lock: a loop with deadlines must not wait for a thread that is not running.
+        counter = self._sequences.get(key) or self._sequences.setdefault(key, itertools.count())
+        sequence = next(counter)
         envelope = Envelope(
             version=ENVELOPE_VERSION,
             robot=self.robot,

@@ -159,6 +159,9 @@ class ZenohBus(BusBase):
             self._alive_changed.notify_all()
 
     def _publisher(self, topic: Topic[Any], key: str) -> zenoh.Publisher:
+        known = self._publishers.get(key)
+        if known is not None:
+            return known
         with self._publisher_lock:
             publisher = self._publishers.get(key)
             if publisher is None:
