@@ -63,7 +63,7 @@ class Phases(Bookkeeping, ABC):
         self.feelers = Feelers()
         self._contacts: dict[int, Goal] = {}
         """The goals that made the contacts of now"""
-        self._away = dict.fromkeys(range(4), UP)
+        self._away = {k: UP.copy() for k in range(4)}
         """Back the way each came: along the normal of a contact, against reaching fingers"""
         self._terrains: dict[int, Terrain | None] = dict.fromkeys(range(4))
         """What the way back of each must clear, as known when it came"""
