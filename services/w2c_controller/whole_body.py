@@ -25,7 +25,7 @@ from w2c_controller.sensing import LoadEstimator, Measured
 from w2c_controller.solvers import FallbackSolver
 from w2c_controller.supervision import Finding
 from w2c_controller.switching import Switching
-from w2c_controller.vectors import largest_difference
+from w2c_controller.vectors import largest_difference, look_ahead
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -149,8 +149,13 @@ class WholeBody:
         """Return the desired posture with its offset (n,), in the order of the bus [rad]."""
         state = self.retargeting.state
         command = self._initial.copy()
-        command[self._model.joint_indices] = (
-            state.q[7:] + self._ahead_time * state.velocity[6:] + self.force_control.offset
+        look_ahead(
+            state.q,
+            state.velocity,
+            self._ahead_time,
+            self.force_control.offset,
+            self._model.joint_indices,
+            command,
         )
         if self._gaze is not None:
             leaning = any(state.enabled[k] for k in HANDS)

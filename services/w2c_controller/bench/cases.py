@@ -23,8 +23,8 @@ ENDS = (np.array([0.5, 0.35, 1.05]), np.array([0.55, 0.1, 0.95]))
 """Between which the left hand moves [m]."""
 BEYOND = np.array([1.4, 0.3, 0.9])
 """What the left hand cannot reach [m]."""
-TURN_TICKS = 1000
-"""Between two targets of the hand that moves."""
+TURN_TICKS = 600
+"""Between two targets of the hand that moves: it never rests."""
 SETTLE_TICKS = 2500
 PATIENCE = 30_000
 """Most ticks until a contact bears weight, or the end of the reach is told."""
