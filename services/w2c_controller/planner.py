@@ -9,7 +9,7 @@ from w2c.messages import HeightField
 from w2c_controller.goals import Goal
 from w2c_controller.model import ControlledModel, Kinematics
 from w2c_controller.parameters import HANDS, Motion
-from w2c_controller.routes import UP, approach, check_retreat
+from w2c_controller.routes import UP, check_retreat, plan_approach
 from w2c_controller.terrain import Arm, make_terrain
 
 Vector = npt.NDArray[np.float64]
@@ -69,6 +69,6 @@ class RoutePlanner:
         if leaves:
             start = start + self._motion.retreat_height * UP
         planned = replace(goal, terrain=terrain)
-        approach(planned, start, np.zeros(3), self._motion)
+        planned = plan_approach(planned, start, self._motion)
         check_retreat(planned, self._rest[k], self._motion)
         return planned

@@ -6,7 +6,8 @@ clears it; the smallest bow that does is taken.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +18,7 @@ from w2c_controller.grasp import approach_direction
 from w2c_controller.obstacles import find_obstacle
 from w2c_controller.parameters import Motion
 from w2c_controller.terrain import Terrain
-from w2c_controller.trajectory import Leg, Path, make_leg, straight
+from w2c_controller.trajectory import Bow, Leg, Path, make_leg, straight
 
 Vector = npt.NDArray[np.float64]
 
@@ -30,21 +31,6 @@ BOW_STEP = 0.05
 SIDEWAYS = (0.0, 0.15, -0.15, 0.3, -0.3)
 
 
-@dataclass(frozen=True)
-class Bow:
-    """How far the curve is drawn away from the direct one."""
-
-    up: float = 0.0
-    """[m]"""
-    side: float = 0.0
-    """To the left of the way [m]"""
-
-    @property
-    def detour(self) -> float:
-        """Return what it costs."""
-        return self.up + 1.5 * abs(self.side)
-
-
 DIRECT = Bow()
 BOWS = sorted(
     (
@@ -54,6 +40,11 @@ BOWS = sorted(
     ),
     key=lambda bow: bow.detour,
 )
+UPWARDS = [bow for bow in BOWS if bow.side == 0.0]
+PLANNED_MARGIN = 0.01
+"""Of a planned way, so that it clears also from a place a little beside [m]"""
+HIGHER = 0.1
+"""A planned bow may grow by this when the hand sets out [m]"""
 
 
 def way_back(goal: Goal) -> Vector:
@@ -90,7 +81,8 @@ def approach(goal: Goal, start: Vector, velocity: Vector, motion: Motion) -> Pat
         last = straight(via, goal.target + motion.reach_standoff * away, motion.reach_speed)
     if goal.terrain is None:
         return Path((curve(start, velocity, via, away, DIRECT, motion.speed), last))
-    first, margin = _clearest(goal.terrain, start, velocity, via, away, motion)
+    bows = _planned(goal.terrain)
+    first, _, margin = _clearest(goal.terrain, start, velocity, via, away, motion, bows)
     if margin < 0.0:
         direct = curve(start, velocity, via, away, DIRECT, motion.speed)
         raise GoalRefusedError(_blocked("the way", goal.terrain, direct))
@@ -125,8 +117,30 @@ def retreat(
     first = make_leg(start + steps * (lifted - start), motion.speed, velocity)
     if terrain is None:
         return Path((first, curve(lifted, np.zeros(3), rest, UP, DIRECT, motion.speed)))
-    second, _ = _clearest(terrain, lifted, np.zeros(3), rest, UP, motion, home=True)
+    second, _, _ = _clearest(terrain, lifted, np.zeros(3), rest, UP, motion, UPWARDS, home=True)
     return Path((first, second))
+
+
+def plan_approach(goal: Goal, start: Vector, motion: Motion) -> Goal:
+    """Return a goal whose terrain knows the bow that clears it, so that the loop need not search.
+
+    Args:
+        goal: With the terrain that the way must clear.
+        start: (3,) where the end effector is [m].
+        motion: Speeds and distances.
+
+    Raises:
+        GoalRefusedError: something is in the way; says what.
+    """
+    approach(goal, start, np.zeros(3), motion)
+    if goal.terrain is None:
+        return goal
+    away = way_back(goal)
+    via = goal.target + motion.via_height * away
+    _, bow, _ = _clearest(
+        goal.terrain, start, np.zeros(3), via, away, motion, BOWS, least=PLANNED_MARGIN
+    )
+    return replace(goal, terrain=replace(goal.terrain, planned=bow))
 
 
 def check_retreat(goal: Goal, rest: Vector, motion: Motion) -> None:
@@ -134,7 +148,8 @@ def check_retreat(goal: Goal, rest: Vector, motion: Motion) -> None:
     if goal.terrain is None:
         return
     lifted = goal.target + motion.retreat_height * way_back(goal)
-    _, margin = _clearest(goal.terrain, lifted, np.zeros(3), rest, UP, motion, home=True)
+    at_rest = np.zeros(3)
+    _, _, margin = _clearest(goal.terrain, lifted, at_rest, rest, UP, motion, UPWARDS, home=True)
     if margin < 0.0:
         direct = curve(lifted, np.zeros(3), rest, UP, DIRECT, motion.speed)
         raise GoalRefusedError(_blocked("the way back", goal.terrain, direct))
@@ -181,29 +196,36 @@ def _clearest(
     end: Vector,
     arrival: Vector,
     motion: Motion,
+    bows: Sequence[Bow],
     *,
+    least: float = 0.0,
     home: bool = False,
-) -> tuple[Leg, float]:
-    """Return the least bowed leg that clears the terrain, or the one that comes closest to it.
+) -> tuple[Leg, Bow, float]:
+    """Return the first leg that clears the terrain by a margin, or the one that clears it most.
 
     Returns:
-        The leg, and its margin [m]: negative where nothing clears.
+        The leg, its bow, and its margin [m]: negative where nothing clears.
     """
     shoulder = terrain.arm.shoulder
     ends = max(float(np.linalg.norm(start - shoulder)), float(np.linalg.norm(end - shoulder)))
     reach = max(terrain.arm.reach, ends + BOW_STEP)
-    best: tuple[Leg, float] | None = None
-    for bow in BOWS:
+    tried = []
+    for bow in bows:
         leg = curve(start, velocity, end, arrival, bow, motion.speed)
         limit = np.inf if bow == DIRECT else reach
         margin, _ = terrain.margin(leg, home=home, reach=limit)
-        if margin >= 0.0:
-            return leg, margin
-        if best is None or margin > best[1]:
-            best = leg, margin
-    if best is None:
-        raise RuntimeError("no curve to choose from")
-    return best
+        tried.append((leg, bow, margin))
+        if margin >= least:
+            return tried[-1]
+    return max(tried, key=lambda found: found[2])
+
+
+def _planned(terrain: Terrain) -> Sequence[Bow]:
+    """Return the bows to try: all, or the planned one and somewhat higher ones."""
+    bow = terrain.planned
+    if bow is None:
+        return BOWS
+    return [bow, replace(bow, up=bow.up + 0.5 * HIGHER), replace(bow, up=bow.up + HIGHER)]
 
 
 def _blocked(what: str, terrain: Terrain, direct: Leg) -> str:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from w2c.messages import HeightField
 from w2c_controller.compiled import compiled
-from w2c_controller.trajectory import Leg, leg_point
+from w2c_controller.trajectory import Bow, Leg, leg_point
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -76,6 +76,8 @@ class Terrain:
     cell: float
     clearance: float
     """[m]"""
+    planned: Bow | None = None
+    """Of the curve that was found to clear it; None: not planned yet"""
 
     def margin(
         self, leg: Leg, *, room: bool = False, home: bool = False, reach: float = np.inf

@@ -99,6 +99,21 @@ def _fastest(points: Vector, rate: float, before: Vector, after: Vector) -> floa
 
 
 @dataclass(frozen=True)
+class Bow:
+    """How far the curve is drawn away from the direct one."""
+
+    up: float = 0.0
+    """[m]"""
+    side: float = 0.0
+    """To the left of the way [m]"""
+
+    @property
+    def detour(self) -> float:
+        """Return what it costs."""
+        return self.up + 1.5 * abs(self.side)
+
+
+@dataclass(frozen=True)
 class Leg:
     """A cubic Bezier curve with a duration."""
 

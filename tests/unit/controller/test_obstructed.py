@@ -9,7 +9,8 @@ from support.tabletop import TABLE, table
 from w2c.errors import GoalRefusedError
 from w2c.messages import Array, HeightField, PlaceGoal, ReleaseGoal, RobotDescription
 from w2c_controller.controller import Controller
-from w2c_controller.parameters import LEFT_HAND
+from w2c_controller.force_parameters import ForceParameters
+from w2c_controller.parameters import LEFT_HAND, Parameters
 
 WALL = table((0.62, 0.3, 0.04, 1.0, 2.1))
 BOX = (0.62, 0.34, 0.06, 0.12, 0.99)
@@ -26,9 +27,14 @@ def robot(slow_description: RobotDescription) -> IdealRobot:
     return IdealRobot(slow_description)
 
 
+def make_controller(description: RobotDescription) -> Controller:
+    """Return one that commands the desired posture, which is where an ideal robot's joints are."""
+    return Controller(description, Parameters(force_control=ForceParameters(mode="off")))
+
+
 @pytest.fixture
 def controller(slow_description: RobotDescription) -> Controller:
-    return Controller(slow_description)
+    return make_controller(slow_description)
 
 
 def _goal(
@@ -70,7 +76,7 @@ def _run(controller: Controller, robot: IdealRobot, until: str, gaps: list[float
 def test_a_blocked_way_is_refused_and_the_robot_does_not_move_by_a_bit(
     controller: Controller, robot: IdealRobot, slow_description: RobotDescription
 ) -> None:
-    undisturbed, twin = IdealRobot(slow_description), Controller(slow_description)
+    undisturbed, twin = IdealRobot(slow_description), make_controller(slow_description)
     robot.step(controller, 250)
     undisturbed.step(twin, 250)
     with pytest.raises(GoalRefusedError) as refused:

@@ -12,7 +12,13 @@ from w2c.errors import GoalRefusedError
 from w2c.messages import HeightField, Task
 from w2c_controller.goals import Goal
 from w2c_controller.parameters import Motion
-from w2c_controller.routes import approach, check_retreat, retreat, way_back
+from w2c_controller.routes import (
+    approach,
+    check_retreat,
+    plan_approach,
+    retreat,
+    way_back,
+)
 from w2c_controller.terrain import (
     ARM_BALLS,
     ARM_SPACING,
@@ -228,3 +234,23 @@ def test_a_wall_can_be_leaned_on() -> None:
     )
     path = approach(goal, START, AT_REST, Motion())
     assert path.end[0] > point[0] - 0.05
+
+
+def test_a_planned_way_needs_no_search_when_the_hand_sets_out() -> None:
+    """From where it was planned and from a little beside, it is the planned bow."""
+    field = table((0.46, -0.35, 0.06, 0.2, 0.93))
+    goal = plan_approach(goal_at(0.9, -0.3, field), START, Motion())
+    assert goal.terrain is not None
+    assert goal.terrain.planned is not None
+    for beside in ([0.0, 0.0, 0.0], [0.005, -0.005, 0.0], [0.0, 0.005, 0.005]):
+        start = START + np.array(beside)
+        leg = approach(goal, start, AT_REST, Motion()).legs[0]
+        np.testing.assert_allclose(leg.points[1, 2] - start[2], 0.1 + goal.terrain.planned.up)
+        assert min(distances(leg, field, goal)) >= 0.0
+
+
+def test_a_hand_that_is_elsewhere_when_it_sets_out_does_not_go_through_things() -> None:
+    field = table((0.5, -0.3, 0.06, 0.6, 1.15))
+    goal = plan_approach(goal_at(0.45, 0.3, field), np.array([0.3, 0.4, 1.0]), Motion())
+    with pytest.raises(GoalRefusedError, match="blocked"):
+        approach(goal, np.array([0.75, -0.45, 0.95]), AT_REST, Motion())
