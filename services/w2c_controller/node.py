@@ -124,14 +124,16 @@ class ControllerNode:
         """Answer states until `stop`."""
         asks = self._config.real_time and self._feed is not None
         sys.setswitchinterval(SWITCH_INTERVAL_S)
+        # Before the threads are given precedence: one that holds the interpreter while others run
+        # holds up the loop.
+        self._reports.start()
+        self._keeper.start()
         with (
             real_time(CONTROLLER_PRIORITY) if asks else nullcontext(NOT_ASKED) as self._granted,
             collector_off() as self._collector,
         ):
             if self._granted.trouble:
                 log.warning("the loop may be late: %s", self._granted.trouble)
-            self._reports.start()
-            self._keeper.start()
             while not stop.is_set():
                 received = self._next_state()
                 if received is None:
