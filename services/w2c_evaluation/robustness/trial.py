@@ -32,9 +32,10 @@ FORCE_CONTROL: dict[Mode, str] = {
     "no_torque_limit": "no_torque_limit",
     "full": "full",
 }
-LEAD_TIME = 0.2
-"""The commanded point may run this far ahead of the hand [s]; the filter's own lag is 0.08 s."""
-ACCELERATION = 0.6
+LEAD_TIME = 0.1
+"""The commanded point may run this far ahead of the hand [s], and the distance in which the hand
+brakes; the filter's own lag is 0.08 s."""
+ACCELERATION = 0.8
 """Of the hand [m/s^2]. At SEIKO's 2 m/s^2, 12 kg at 1 m height alone move the centre of pressure
 by 2.5 cm."""
 HASTE = 1.875
@@ -47,6 +48,7 @@ NEVER = 1e6
 def trial_parameters(mode: Mode, speed: float) -> Any:
     """Return the controller's parameters of a trial: its own, at this speed and in this mode."""
     own = library("controller_parameters")()
+    lead = speed**2 / (2.0 * ACCELERATION) + LEAD_TIME * speed
     filters = own.filters
     return replace(
         own,
@@ -55,7 +57,7 @@ def trial_parameters(mode: Mode, speed: float) -> Any:
             filters,
             speed=speed,
             acceleration=ACCELERATION,
-            lead_position=max(filters.lead_position, LEAD_TIME * speed),
+            lead_position=max(filters.lead_position, lead),
         ),
         motion=replace(
             own.motion, speed=HASTE * speed, reach_speed=HASTE * speed, bump_force=NEVER
