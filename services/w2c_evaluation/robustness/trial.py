@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from w2c.errors import ControlError
 from w2c.library import library
 from w2c.messages import PlaceGoal, ReleaseGoal
 from w2c_evaluation.closed_loop import ClosedLoop
@@ -96,7 +97,10 @@ class Trial:
         """Run it to its end, or to its fall."""
         begun = time.process_time()
         deadline = STAND_S + REACH_S
-        refusal = self._perform()
+        try:
+            refusal = self._perform()
+        except ControlError as error:  # a trial that breaks is not survived; the study goes on
+            refusal = str(error)
         cause: Cause = survival.judge(self.trace, deadline)
         if refusal and not self.trace.fell:
             cause = "refused"

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from w2c.errors import ControlError
 from w2c_controller.parameters import Parameters
 from w2c_evaluation.robustness import trial as trial_module
 from w2c_evaluation.robustness.commands import bench
@@ -83,3 +84,13 @@ def _builtins(target: Target) -> dict[str, object]:
         "point": target.point,
         "direction": target.direction,
     }
+
+
+def test_a_trial_that_breaks_is_not_survived_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    def diverge(_: trial_module.Trial) -> str:
+        raise ControlError("physics diverged at tick 7")
+
+    monkeypatch.setattr(trial_module.Trial, "_perform", diverge)
+    result = run_trial(Cell(mode="full", speed=0.2, mass=2.0, trial=0), NEAR)
+    assert (result.survived, result.cause) == (False, "refused")
+    assert "diverged" in result.detail
