@@ -101,11 +101,11 @@ def slide(speeds: list[float], told: float) -> tuple[float, float]:
 
 
 def test_a_hand_that_creeps_does_not_slip() -> None:
-    assert slide([0.01] * 10, told=-1.0) == (pytest.approx(0.002), -1.0)
+    assert slide([0.01] * 10, told=-1.0) == pytest.approx((0.002, -1.0))
 
 
 def test_a_slip_that_nobody_tells_of_is_known_as_such() -> None:
-    assert slide([0.0, 0.1, 0.1], told=-1.0) == (pytest.approx(0.004), -2.0)
+    assert slide([0.0, 0.1, 0.1], told=-1.0) == pytest.approx((0.004, -2.0))
 
 
 def test_a_slip_is_timed_from_its_beginning() -> None:
