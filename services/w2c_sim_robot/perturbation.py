@@ -10,7 +10,7 @@ from w2c.errors import ConfigError
 from w2c.messages import Array
 from w2c_sim_robot import talos
 
-_FACTORS = ("stiffness", "friction", "mass")
+_FACTORS = ("stiffness", "friction", "ball_friction", "mass")
 _HEAVIEST_HAND = 50.0
 _STEEPEST_TILT = radians(10.0)
 
@@ -21,6 +21,8 @@ class Perturbation:
 
     stiffness: float = 1.0
     friction: float = 1.0
+    ball_friction: float = 1.0
+    """Of the ball-ended hand alone, beside `friction`: something slippery under it"""
     mass: float = 1.0
     hand_mass: tuple[float, float] = (0.0, 0.0)
     """Point masses held at the hand frames [kg]"""
@@ -66,6 +68,8 @@ def perturb(model: mujoco.MjModel, perturbation: Perturbation) -> None:
     model.body_mass[robot] *= perturbation.mass
     model.body_inertia[robot] *= perturbation.mass
     model.geom_friction[robot[model.geom_bodyid]] *= perturbation.friction
+    ball = model.geom_bodyid == model.body(talos.HAND_FRAMES[1]).id
+    model.geom_friction[ball] *= perturbation.ball_friction
     for frame, mass in zip(talos.HAND_FRAMES, perturbation.hand_mass, strict=True):
         hand = model.body(frame).id
         model.body_mass[hand] += mass

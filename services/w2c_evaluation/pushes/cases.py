@@ -32,7 +32,7 @@ class PushCase(msgspec.Struct, frozen=True, kw_only=True):
     surface_error: float = 0.0
     """How much nearer the surface is to the hand than the goal says [m]"""
     friction: float = 0.8
-    """True coefficient of feet and hands"""
+    """True coefficient of the hand on the surface; that of the feet is 0.8"""
     assumed_friction: float | None = None
     """The controller's; None = its own"""
     reach: bool = False

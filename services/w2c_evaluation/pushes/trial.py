@@ -65,7 +65,7 @@ class Push:
         description = library("make_description")(lock_step=True)
         perturbation = library("perturbation")(
             stiffness=case.stiffness,
-            friction=case.friction / NOMINAL_FRICTION,
+            ball_friction=case.friction / NOMINAL_FRICTION,
             sole_pitch=(0.0, float(np.radians(case.sole_pitch_deg))),
         )
         self._robot = library("study_robot")(perturbation, (block,), description=description)

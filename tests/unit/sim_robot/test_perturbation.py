@@ -107,3 +107,10 @@ def test_a_block_holds_the_hand_up() -> None:
 def test_what_is_no_robot_is_refused(values: dict[str, Array], words: str) -> None:
     with pytest.raises(ConfigError, match=words):
         Perturbation(**values)  # type: ignore[arg-type]
+
+
+def test_a_slippery_ball_leaves_the_feet_their_grip() -> None:
+    slippery, usual = study_robot(Perturbation(ball_friction=0.375)).model, study_robot().model
+    ball = usual.geom_bodyid == usual.body("right_hand_frame").id
+    assert slippery.geom_friction[ball, 0] == pytest.approx([0.3])
+    assert slippery.geom_friction[~ball].tolist() == usual.geom_friction[~ball].tolist()
