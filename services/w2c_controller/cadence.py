@@ -11,7 +11,7 @@ class Cadence:
     FOLLOW = 4
     """Share of its lateness by which a late state moves the deadlines: one in so many."""
     ANEW = 2
-    """A state that is late by more periods than this starts the deadlines anew: the robot paused."""
+    """A state that is later than so many periods starts the deadlines anew: the robot paused."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
