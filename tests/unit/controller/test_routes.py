@@ -158,6 +158,23 @@ def test_a_way_bows_over_a_box() -> None:
     assert min(distances(path.legs[0], field, goal)) >= 0.0
 
 
+def test_a_way_back_bows_over_a_box() -> None:
+    field = table((0.46, -0.35, 0.06, 0.2, 1.02))
+    goal = goal_at(0.95, -0.3, field, "reach", z=0.98)
+    bowed = retreat(goal.target, UP, START, Motion(), None, goal.terrain).legs[1]
+    direct = retreat(goal.target, UP, START, Motion(), None, None).legs[1]
+    assert bowed.points[1, 2] > direct.points[1, 2]
+    assert min(distances(bowed, field, goal)) >= 0.0
+    assert min(distances(direct, field, goal)) < 0.0
+
+
+def test_the_forearm_must_clear_too() -> None:
+    """The hand could pass over this box, but at the point the forearm would lie on it."""
+    field = table((0.5, -0.34, 0.08, 0.2, 1.0))
+    with pytest.raises(GoalRefusedError, match=r"1\.00 m high at x 0\.50"):
+        approach(goal_at(0.75, -0.3, field), START, AT_REST, Motion())
+
+
 def test_a_wall_is_refused_with_its_place_height_and_size() -> None:
     field = table((0.55, -0.3, 0.1, 1.4, 2.1))
     with pytest.raises(GoalRefusedError) as refused:
