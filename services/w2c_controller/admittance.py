@@ -4,9 +4,9 @@ A force beyond a deadband moves the target of a free hand or foot with it:
 
     speed = gain (|force| - deadband), at most a limit
 
-(SEIKO Controller: Rouxel, Ivaldi and Mouret, RA-L 2024). Where the force is gone, the target returns
-slowly. What an end effector reads in the air, such as the weight of what it holds, is its zero; the
-zero follows readings below half of the deadband.
+(SEIKO Controller: Rouxel, Ivaldi and Mouret, RA-L 2024). Where the force is gone, the target
+returns slowly. What an end effector reads in the air, such as the weight of what it holds, is its
+zero; the zero follows readings below half of the deadband.
 """
 
 import math

@@ -3,7 +3,7 @@
     effort rate = lambda_d' + Kp (lambda_d - lambda~) + Kd lambda_read'
     lambda~ <- a (lambda~ + dt lambda_flex') + (1 - a) lambda_read
 
-(SEIKO Controller, Rouxel, Ivaldi and Mouret, RA-L 2024, equations (9) to (11); Kd is signed here.)
+(SEIKO Controller: Rouxel, Ivaldi and Mouret, RA-L 2024, equation (10); Kd is signed here.)
 A contact whose sensor reads NaN goes on with its model: lambda~ integrates lambda_flex' alone.
 """
 

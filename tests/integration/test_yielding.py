@@ -34,7 +34,7 @@ def pushed(gains: AdmittanceGains) -> Array:
         robot.step(controller.tick(state).position)
         positions.append(robot.truth().end_effector_positions[LEFT_HAND])
     assert not robot.fell
-    return np.array(positions) - positions[START]
+    return np.asarray(np.array(positions) - positions[START])
 
 
 @pytest.mark.slow
