@@ -74,11 +74,6 @@ class ForceControl:
         if not self.active:
             self.flexible.offset[:] = 0.0
 
-    def resume(self, flexible: FlexibleState, retargeting: Retargeting) -> None:
-        """Go on from a flexible state of the past, with the contacts that it had."""
-        self.reset(retargeting)
-        self.flexible = flexible.copy()
-
     def tick(self, retargeting: Retargeting, measured: Measured) -> bool:
         """Move the offset by one period. Returns False where no solution was found: it stayed.
 

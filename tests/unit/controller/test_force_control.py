@@ -190,13 +190,3 @@ def test_without_a_solution_the_offset_stays_and_the_next_tick_goes_on(
     solver.fails = False
     run(retargeting, control, 1)
     assert np.abs(control.offset - before).max() < 2e-3
-
-
-def test_a_state_of_the_past_is_taken_up(retargeting: Retargeting, control: ForceControl) -> None:
-    run(retargeting, control, 50)
-    control.offset[5] += 0.01
-    other = ForceControl(retargeting.controlled, retargeting.parameters, DT)
-    other.resume(control.flexible, retargeting)
-    np.testing.assert_array_equal(other.offset, control.offset)
-    control.offset[5] += 0.01
-    assert other.offset[5] != control.offset[5]
