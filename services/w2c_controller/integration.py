@@ -73,12 +73,3 @@ def advance(
             reached = min(normal - FORCE_MIN_SLACK, force_min_wanted[k])
             force_min[k] = max(force_min[k], reached)
     return light
-
-
-@compiled
-def stand_still(static: Vector, velocity: Vector, torque: Vector) -> None:
-    """Note a tick without a solution: no velocity, torques of the present equilibrium."""
-    for i in range(velocity.shape[0]):
-        velocity[i] = 0.0
-    for i in range(torque.shape[0]):
-        torque[i] = static[6 + i]

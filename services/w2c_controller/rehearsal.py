@@ -11,6 +11,7 @@ from w2c.bus.codec import decode_message, encode_message
 from w2c.messages import HeightField, PlaceGoal, RobotDescription, RobotState
 from w2c_controller.controller import Controller
 from w2c_controller.model import ControlledModel, standing_configuration
+from w2c_controller.parameters import RIGHT_HAND
 
 Vector = npt.NDArray[np.float64]
 
@@ -20,7 +21,7 @@ REACH = (0.5, 0.3, 1.0)
 
 
 def rehearse(description: RobotDescription) -> None:
-    """Let a controller of its own stand, begin to reach, and begin anew on the way."""
+    """Let a controller of its own stand, begin to reach, begin anew on the way, and lean."""
     controller = Controller(description)
     torque = _weight(controller.model, np.array(description.initial_position))
     for tick in range(TICKS):
@@ -29,6 +30,8 @@ def rehearse(description: RobotDescription) -> None:
         controller.tick(decode_message(payload, RobotState))
         if tick in (TICKS // 2, TICKS // 2 + 2):
             controller.requests.place(_goal(f"rehearsal {tick}"))
+        if tick == TICKS - 3:
+            controller.retargeting.enable(RIGHT_HAND, np.eye(3))
 
 
 def _goal(goal_id: str) -> PlaceGoal:

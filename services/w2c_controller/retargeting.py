@@ -19,7 +19,7 @@ from w2c_controller.contacts import (
     wrench_rate_limits,
 )
 from w2c_controller.desired import DesiredState, with_contact
-from w2c_controller.integration import advance, stand_still
+from w2c_controller.integration import advance
 from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
 from w2c_controller.parameters import EFFECTORS, FEET, Parameters
 from w2c_controller.program import ProgramBuilder
@@ -151,7 +151,8 @@ class Retargeting:
             x = self._solver.solve(builder.fill(kinematics, state))
         except SolverError:
             self.failures += 1
-            stand_still(kinematics.static, state.velocity, state.torque)
+            state.velocity[:] = 0.0
+            state.torque[:] = kinematics.static[6:]
             return False
         first, second, third, fourth = state.releasing
         light = advance(

@@ -115,8 +115,8 @@ class WholeBody:
         """Return the loads of one state, before `begin`."""
         return self._loads.update(state)
 
-    def sense(self, state: RobotState) -> list[Finding]:
-        """Take the measurements of one state; returns what is wrong with the contacts."""
+    def measure(self, state: RobotState) -> None:
+        """Take the measurements of one state; `supervise` follows at the next tick."""
         enabled = self.retargeting.state.enabled
         left, right = enabled[:2]
         feet = (0, 1) if left == right else (0, 0) if left else (1, 1)
@@ -124,7 +124,12 @@ class WholeBody:
         if self.switching.phase == "hold":
             self._payloads.learn(measured, (not enabled[HANDS[0]], not enabled[HANDS[1]]))
         self.measured = self._payloads.relieve(measured)
-        self._admittance.step(self.measured, self.retargeting.kinematics.rotations, enabled)
+
+    def supervise(self) -> list[Finding]:
+        """Give way to the newest forces; returns what is wrong with the contacts."""
+        retargeting = self.retargeting
+        rotations, enabled = retargeting.kinematics.rotations, retargeting.state.enabled
+        self._admittance.step(self.measured, rotations, enabled)
         return self.switching.supervise(self.measured)
 
     def switch(self) -> list[Event]:
