@@ -32,7 +32,7 @@ from w2c_controller.solvers.structure import Places, Structure
 Indices = npt.NDArray[np.intp]
 
 MOST_SETS: Final = 8
-TOLERANCE: Final = 1e-9
+TOLERANCE: Final = 3e-9
 """By how much a bound may be exceeded, in its own unit, and as a share of it."""
 LARGEST_TOLERANCE: Final = 1e-7
 """Rows that nearly depend on each other (two feet push against each other) are told apart no better
