@@ -2,6 +2,7 @@
 
 from w2c_controller.events import short_by
 from w2c_controller.phases import Phases
+from w2c_controller.routes import may_cut
 from w2c_controller.sensing import Measured
 from w2c_controller.supervision import Finding
 
@@ -13,6 +14,10 @@ class InAir(Phases):
         goal, travel = self._require_goal(), self._travel
         stuck = travel.follow()
         if goal.task == "reach":
+            if stuck and travel.path.leg == 0 and not self._may_cut():
+                self._hands.stop(self._effector)
+                self._enter("reach")
+                return
             if stuck:
                 # The way over the surface is out of reach; the point itself may not be.
                 travel.next_leg()
@@ -26,6 +31,12 @@ class InAir(Phases):
             self._enter("touch")
         elif stuck or self._elapsed > self._motion.approach_timeout:
             self._give_up(unreachable=True)
+
+    def _may_cut(self) -> bool:
+        k = self._effector
+        return may_cut(
+            self._terrains[k], self._hands.position(k), self._travel.path.end, self._motion
+        )
 
     def _reach(self, _: Measured) -> None:
         distance, motion = self.distance(), self._motion

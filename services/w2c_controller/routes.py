@@ -92,6 +92,21 @@ def approach(goal: Goal, start: Vector, velocity: Vector, motion: Motion) -> Pat
     return Path((first, last))
 
 
+def may_cut(terrain: Terrain | None, start: Vector, end: Vector, motion: Motion) -> bool:
+    """Return whether a hand that cannot get over the surface may go straight to its point.
+
+    Args:
+        terrain: That the way must clear; None: nothing is known of it.
+        start: (3,) where the hand is [m].
+        end: (3,) of the point [m].
+        motion: Speeds.
+    """
+    if terrain is None:
+        return True
+    margin, _ = terrain.margin(straight(start, end, motion.reach_speed))
+    return margin >= 0.0
+
+
 def retreat(
     start: Vector,
     away: Vector,

@@ -15,6 +15,7 @@ from w2c_controller.parameters import Motion
 from w2c_controller.routes import (
     approach,
     check_retreat,
+    may_cut,
     plan_approach,
     retreat,
     way_back,
@@ -271,3 +272,13 @@ def test_a_hand_that_is_elsewhere_when_it_sets_out_does_not_go_through_things() 
     goal = plan_approach(goal_at(0.45, 0.3, field), np.array([0.3, 0.4, 1.0]), Motion())
     with pytest.raises(GoalRefusedError, match="blocked"):
         approach(goal, np.array([0.75, -0.45, 0.95]), AT_REST, Motion())
+
+
+@pytest.mark.parametrize(("height", "may"), [(TABLE + 0.02, True), (TABLE + 0.5, False)])
+def test_a_stuck_hand_goes_straight_to_its_point_only_where_that_is_clear(
+    height: float, may: bool
+) -> None:
+    goal = goal_at(0.9, -0.4, table((0.6, -0.4, 0.06, 0.3, height)), "reach", TABLE + 0.3)
+    before_the_box = np.array([0.35, -0.4, TABLE + 0.3])
+    assert may_cut(goal.terrain, before_the_box, goal.target, Motion()) is may
+    assert may_cut(None, before_the_box, goal.target, Motion())
