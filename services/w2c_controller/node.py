@@ -9,7 +9,6 @@ import logging
 import sys
 import threading
 import time
-from contextlib import nullcontext
 
 from w2c import topics
 from w2c.bus import Bus, Queue, Received
@@ -30,7 +29,7 @@ from w2c.messages import (
     StopReply,
     StopRequest,
 )
-from w2c.realtime import CONTROLLER_PRIORITY, NOT_ASKED, collector_off, real_time
+from w2c.realtime import CONTROLLER_PRIORITY, NOT_ASKED, Setting, collector_off, real_time
 from w2c_controller.config import ControllerConfig
 from w2c_controller.contacts import Enabled
 from w2c_controller.controller import Controller
@@ -122,14 +121,14 @@ class ControllerNode:
 
     def run(self, stop: threading.Event) -> None:
         """Answer states until `stop`."""
-        asks = self._config.real_time and self._feed is not None
+        setting: Setting = "off" if self._feed is None else self._config.real_time
         sys.setswitchinterval(SWITCH_INTERVAL_S)
         # Before the threads are given precedence: one that holds the interpreter while others run
         # holds up the loop.
         self._reports.start()
         self._keeper.start()
         with (
-            real_time(CONTROLLER_PRIORITY) if asks else nullcontext(NOT_ASKED) as self._granted,
+            real_time(CONTROLLER_PRIORITY, setting) as self._granted,
             collector_off() as self._collector,
         ):
             if self._granted.trouble:

@@ -5,6 +5,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from w2c.config import ServiceConfig
+from w2c.realtime import Setting
 
 Scale = Annotated[float, Meta(ge=0.05, le=20.0)]
 
@@ -14,8 +15,8 @@ class RobotConfig(ServiceConfig, frozen=True, kw_only=True):
 
     lock_step: bool = False
     """Wait for the command of each tick instead of keeping real time."""
-    real_time: bool = True
-    """In real time, ask for locked memory and SCHED_FIFO."""
+    real_time: Setting = "auto"
+    """In real time, ask for locked memory and SCHED_FIFO: on, off, or auto: from 4 cores on."""
     scene: str = ""
     """Scene file (JSON) of what stands before the robot; empty = nothing but the floor."""
     seed: int = 0

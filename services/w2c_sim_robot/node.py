@@ -8,7 +8,6 @@ controller gives a tick that it has answered before the same answer, without com
 
 import logging
 import threading
-from contextlib import nullcontext
 from pathlib import Path
 
 import mujoco
@@ -93,8 +92,7 @@ class RobotNode:
             if self._config.lock_step:
                 self._run_in_lock_step(stop, self._commands)
                 return
-            asks = self._config.real_time
-            with real_time(ROBOT_PRIORITY) if asks else nullcontext(NOT_ASKED) as self._granted:
+            with real_time(ROBOT_PRIORITY, self._config.real_time) as self._granted:
                 if self._granted.trouble:
                     log.warning("the loop may be late: %s", self._granted.trouble)
                 self._run_in_real_time(stop)

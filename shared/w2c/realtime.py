@@ -17,6 +17,12 @@ CONTROLLER_PRIORITY: Final = 40
 ROBOT_PRIORITY: Final = 45
 """Below the kernel's own interrupt threads (50); the driver before who commands it."""
 
+ENOUGH_CORES: Final = 4
+"""With fewer, two loops that go before everything starve the models beside them."""
+
+Setting = Literal["auto", "on", "off"]
+"""Of `--real-time`: ask; ask only where there are enough cores; do not ask."""
+
 _MCL_CURRENT, _MCL_FUTURE, _MCL_ONFAULT = 1, 2, 4
 _TASKS = Path("/proc/self/task")
 
@@ -35,18 +41,29 @@ NOT_ASKED: Final = RealTime(False, False, "")
 
 
 @contextmanager
-def real_time(priority: int) -> Iterator[RealTime]:
+def real_time(priority: int, setting: Setting = "on") -> Iterator[RealTime]:
     """Lock this process's memory and run its present threads under SCHED_FIFO, where granted.
 
     All threads that exist get the priority, those of the bus too: a state that waits for them is as
     late as a loop that does not run. Threads that they start later do not.
+
+    Args:
+        priority: Of SCHED_FIFO, 1 to 99.
+        setting: "auto" leaves the scheduler alone on a host with too few cores.
     """
+    if setting == "off":
+        yield NOT_ASKED
+        return
     troubles = []
     locked = _lock_memory()
     if locked:
         troubles.append(f"memory is not locked ({locked}): grant CAP_IPC_LOCK, or raise ulimit -l")
-    refused = _raise_priority(priority)
-    if refused:
+    cores = len(os.sched_getaffinity(0))
+    refused = ""
+    if setting == "auto" and cores < ENOUGH_CORES:
+        refused = f"{cores} cores, {ENOUGH_CORES} are enough"
+        troubles.append(f"no SCHED_FIFO ({refused}): the models would starve; --real-time on asks")
+    elif refused := _raise_priority(priority):
         troubles.append(f"no SCHED_FIFO ({refused}): grant CAP_SYS_NICE, or raise ulimit -r")
     try:
         yield RealTime(not locked, not refused, "; ".join(troubles))

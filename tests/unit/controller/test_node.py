@@ -189,7 +189,7 @@ class Wire:
         self.statistics = self.operator.queue(topics.CONTROLLER_STATISTICS)
         self.commands = self.operator.queue(topics.JOINT_COMMAND)
         config = ControllerConfig(
-            robot="test", real_time=False, stale_ms=200.0, run_directory=str(directory)
+            robot="test", real_time="off", stale_ms=200.0, run_directory=str(directory)
         )
         self.bus = hub.connect("controller")
         self.node = ControllerNode(config, self.bus, RealClock())

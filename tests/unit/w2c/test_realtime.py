@@ -30,6 +30,29 @@ def test_what_is_refused_is_said_with_what_would_grant_it(monkeypatch: pytest.Mo
         assert "CAP_IPC_LOCK" in granted.trouble
 
 
+@pytest.mark.parametrize(("cores", "asked"), [(2, 0), (4, 1)])
+def test_auto_leaves_a_small_machine_to_the_models(
+    cores: int, asked: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[int] = []
+
+    def grant(priority: int) -> str:
+        calls.append(priority)
+        return ""
+
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(cores)))
+    monkeypatch.setattr(realtime, "_raise_priority", grant)
+    with realtime.real_time(10, "auto") as granted:
+        assert len(calls) == asked
+        assert granted.priority == bool(asked)
+        assert ("2 cores" in granted.trouble) == (not asked)
+
+
+def test_off_asks_for_nothing() -> None:
+    with realtime.real_time(10, "off") as granted:
+        assert granted == realtime.NOT_ASKED
+
+
 def garbage() -> None:
     for _ in range(5000):
         cycle: list[object] = []
