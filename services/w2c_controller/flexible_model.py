@@ -116,7 +116,7 @@ def find_equilibrium(
             else:
                 matrix[:nv, where] = -rows.T @ surfaces[k]
         try:
-            change: Vector = np.linalg.solve(matrix, right)
+            change = np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
         except np.linalg.LinAlgError as error:
             raise ControlError("the flexible model has no equilibrium on these contacts") from error
         if not np.isfinite(change).all():
