@@ -33,10 +33,19 @@ class Supervision:
     lost_time: float = 0.2
     """[s]"""
     slip_distance: tuple[float, float] = (0.003, 0.006)
-    """Foot, hand: of motion against the feet within `slip_window` [m]. In far reaches a ball that
-    carries 150 N rolls and creeps by up to 4 mm, a foot by 0.3 mm."""
+    """Foot, hand: of motion against the feet within `slip_window`, rolling apart [m]. In far
+    reaches a foot creeps by 0.3 mm; a ball that turns is drawn over the table by up to 5 mm."""
     slip_window: float = 0.5
     """Time constant after which a motion counts as place [s]."""
+    creep_distance: float = 0.004
+    """Of a hand within `creep_window`, where it should stick [m]."""
+    creep_window: float = 5.0
+    """An arm that winds up draws its hand by 2 mm/s [s]."""
+    creep_cone: float = 0.75
+    """It should where the force along the surface is within this share of the assumed friction;
+    the measured force is a tenth off."""
+    slip_load: float = 25.0
+    """A hand of which less is wanted may hop about, as it does at the touch [N]."""
     slip_again: float = 3.0
     """A hand that slips again within this time is unloaded [s]."""
     overload_force: float = 195.0

@@ -69,7 +69,12 @@ class Phases(Bookkeeping, ABC):
         """What the way back of each must clear, as known when it came"""
         self._travel = Travel(hands, self._motion, parameters.filters.lead_position, self._dt)
         self._pushes = {k: PushCommand(parameters.push, self._dt) for k in HANDS}
-        self._watch = ContactWatch(self._supervision, sense_period)
+        self._watch = ContactWatch(
+            self._supervision,
+            parameters.limits.friction,
+            retargeting.controlled.hand_radius,
+            sense_period,
+        )
         self._sensed = 0
         """Measurements so far"""
         self._slipped = [-math.inf] * 4

@@ -41,8 +41,8 @@ class Measured:
     positions: Matrix = field(default_factory=lambda: np.zeros((4, 3)))
     """(4, 3) of the end effectors by the measured joint angles, in the frame of the base [m]:
     nothing measures where that is"""
-    soles: Matrix = field(default_factory=lambda: np.tile(np.eye(3), (2, 1, 1)))
-    """(2, 3, 3) base_from_sole, left, right"""
+    rotations: Matrix = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
+    """(4, 3, 3) base_from_effector"""
 
     def force(self, effector: int) -> Vector:
         """Return the force (3,) on an end effector: on a foot in its sole frame [N]."""
@@ -88,7 +88,7 @@ class LoadEstimator:
             hands=filtered[12:18].reshape(2, 3),
             torque=filtered[18:],
             positions=self._positions.copy() if known else np.full((4, 3), np.nan),
-            soles=self._rotations[:2].copy() if known else np.full((2, 3, 3), np.nan),
+            rotations=self._rotations.copy() if known else np.full((4, 3, 3), np.nan),
         )
 
     def _feel(self, joints: Vector, torque: Vector, wrist: Vector, feet: FeetOnGround) -> None:

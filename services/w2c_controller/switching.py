@@ -102,7 +102,8 @@ class Switching(OnSurface):
 
         The answer begins at once. Whatever happens, goals end and nothing moves on by itself; a
         hand that lost its support, or slips again, is also unloaded in the model, so that the
-        robot comes back over what does carry it.
+        robot comes back over what does carry it. Until it is placed anew, a hand that slipped bears
+        along the normal alone: that needs no friction.
 
         Returns:
             What was found, to be told.
@@ -179,14 +180,20 @@ class Switching(OnSurface):
         told_anyway = contact is self.goal and self._unfinished()
         if contact is not None and finding.cause == "contact_lost" and not told_anyway:
             self._log.add(Event(contact.goal_id, k, contact.task, "aborted", reason))
+        slips = finding.cause == "contact_slips" and k not in FEET
+        again = (
+            self._sensed - self._slipped[k]
+        ) * self._sense_period < self._supervision.slip_again
+        if slips and not again:
+            reason += "; from now on it bears along the normal alone"
         self.abort(reason)
         if k in FEET:
             return
-        since = (self._sensed - self._slipped[k]) * self._sense_period
-        again = since < self._supervision.slip_again
-        if finding.cause == "contact_slips":
+        if slips:
             self._slipped[k] = self._sensed
-        if finding.cause == "contact_lost" or (finding.cause == "contact_slips" and again):
+            # With the force that it has: `abort` has just made it the commanded one.
+            self._retargeting.state.pushing[k] = True
+        if finding.cause == "contact_lost" or (slips and again):
             self._begin_unload(k)
             self._stay = True
 

@@ -183,6 +183,17 @@ class Simulator:
             scene=self._movable_objects(),
         )
 
+    def point_velocity(self, effector: int, offset: Array) -> Array:
+        """Return how fast a point of an end effector moves (3,) in the world [m/s].
+
+        Args:
+            effector: index, feet first.
+            offset: (3,) of the point from the origin of the end effector, in the world [m].
+        """
+        twist, body = np.zeros(6), self._effector_bodies[effector]
+        mujoco.mj_objectVelocity(self._model, self._data, mujoco.mjtObj.mjOBJ_XBODY, body, twist, 0)
+        return twist[3:] + np.cross(twist[:3], offset)
+
     def _read(self, value: Array, deviation: float) -> Array:
         if deviation == 0.0:
             return np.array(value)

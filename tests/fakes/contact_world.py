@@ -61,7 +61,9 @@ class ContactWorld:
         self.extra = np.zeros((4, 3))
         """(4, 3) forces beside those of the surfaces [N]"""
         self.moved = np.zeros((4, 3))
-        """(4, 3) how far each slipped [m]"""
+        """(4, 3) how far each slipped, or rolled [m]"""
+        self.turned = np.tile(np.eye(3), (2, 1, 1))
+        """(2, 3, 3) world_from_hand: contacts stay where they are, as if no ball turned"""
 
     def measured(self) -> Measured:
         """Return what the robot feels."""
@@ -82,7 +84,7 @@ class ContactWorld:
             feet=feet,
             hands=hands,
             positions=kinematics.positions + self.moved,
-            soles=kinematics.rotations[:2].copy(),
+            rotations=np.concatenate([kinematics.rotations[:2], self.turned]),
         )
 
     def run(self, seconds: float, until: str = "") -> str:

@@ -100,7 +100,7 @@ class PushResult(msgspec.Struct, frozen=True, kw_only=True):
     steady_error: float
     """Mean over the last 2 s, signed [N]"""
     slip: float
-    """Farthest that the hand moved along the surface since it was loaded [m]"""
+    """Farthest that the hand slid along the surface since it was loaded, rolling apart [m]"""
     slip_seconds: float
     """From the beginning of a slip to its report [s]; -1: no slip, -2: no report"""
     answer: str

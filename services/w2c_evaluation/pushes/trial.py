@@ -35,7 +35,12 @@ FAR = (1.4, 0.15, 0.95)
 FAILURES = ("slip", "overload", "lost")
 """Words of reports on a contact. A hand that sticks again after a slip may be overloaded."""
 SLIDING = 0.02
-"""Faster than this along the surface, a hand slips [m/s]."""
+"""A ball whose point of contact is faster than this on average slips; one that rolls does not
+[m/s]."""
+SLIDING_SAMPLES = 5
+"""Of the average: 0.1 s."""
+CARRIES = 25.0
+"""All through this time; a hand hops about at the touch [N]."""
 
 
 @dataclass
@@ -45,8 +50,8 @@ class Record:
     times: list[float] = field(default_factory=list)
     wanted: list[float] = field(default_factory=list)
     measured: list[float] = field(default_factory=list)
-    along: list[Array] = field(default_factory=list)
-    """Place of the hand along the surface (3,) [m]"""
+    sliding: list[Array] = field(default_factory=list)
+    """Velocity of the point of the ball that touches, along the surface (3,) [m/s]"""
 
 
 def run_push(case: PushCase, trial: int, seed: int) -> PushResult:
@@ -69,6 +74,7 @@ class Push:
             sole_pitch=(0.0, float(np.radians(case.sole_pitch_deg))),
         )
         self._robot = library("study_robot")(perturbation, (block,), description=description)
+        self._radius = description.hand_radius[HAND_INDEX - 2]
         self._controller = library("controller")(description, _parameters(case))
         self._loop = ClosedLoop(self._robot, self._controller)
         self._period_s = description.period_ns * 1e-9
@@ -124,11 +130,12 @@ class Push:
             force = float(truth.contact_forces[HAND_INDEX] @ self._normal)
             if force > 0.0 or self._record.times:
                 desired = self._controller.retargeting.state
-                place = truth.end_effector_positions[HAND_INDEX]
                 self._record.times.append(time)
                 self._record.measured.append(force)
                 self._record.wanted.append(float(desired.wrenches[HAND_INDEX, 2]))
-                self._record.along.append(place - (place @ self._normal) * self._normal)
+                point = -self._radius * self._normal
+                velocity = self._robot.point_velocity(HAND_INDEX, point)
+                self._record.sliding.append(velocity - (velocity @ self._normal) * self._normal)
         return bool(self._robot.fell)
 
     def _result(self, outcome: str, begin: int) -> PushResult:
@@ -161,19 +168,41 @@ class Push:
 
     def _slip(self, begin: int) -> tuple[float, float]:
         """Return how far the hand slipped [m], and how long that went unnoticed [s]."""
-        places = np.array(self._record.along[begin:])
-        forces = np.array(self._record.measured[begin:])
-        if len(places) < 2:
+        velocities = np.array(self._record.sliding[begin:])
+        if len(velocities) < SLIDING_SAMPLES:
             return 0.0, -1.0
-        farthest = float(np.linalg.norm(places - places[0], axis=1).max())
-        speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / (SAMPLE_TICKS * self._period_s)
-        sliding = np.flatnonzero((speeds > SLIDING) & (forces[1:] > 1.0))
-        if sliding.size == 0:
+        forces = np.array(self._record.measured[begin:])
+        carries = carried(forces)[:, np.newaxis]
+        ways = SAMPLE_TICKS * self._period_s * velocities * carries
+        farthest = float(np.linalg.norm(ways.cumsum(axis=0), axis=1).max())
+        sliding = first_slip(velocities, forces)
+        if sliding < 0:
             return farthest, -1.0
         if self._told_s < 0.0:
             return farthest, -2.0
-        began = self._record.times[begin + int(sliding[0])]
+        began = self._record.times[begin + sliding]
         return farthest, max(self._told_s - began, 0.0)
+
+
+def first_slip(velocities: Array, forces: Array) -> int:
+    """Return the sample at which a slip began, or -1.
+
+    Args:
+        velocities: (n, 3) of the point that touches, along the surface [m/s].
+        forces: (n,) along the normal [N].
+    """
+    for last in np.flatnonzero(carried(forces)):
+        first = int(last) - SLIDING_SAMPLES + 1
+        mean = velocities[first : last + 1].mean(axis=0)
+        if np.linalg.norm(mean) > SLIDING:
+            return first
+    return -1
+
+
+def carried(forces: Array) -> Array:
+    """Return (n,) booleans: whether the hand carried weight all through the last 0.1 s."""
+    least = np.lib.stride_tricks.sliding_window_view(forces, SLIDING_SAMPLES).min(axis=1)
+    return np.concatenate([np.zeros(SLIDING_SAMPLES - 1, dtype=np.bool_), least > CARRIES])
 
 
 def _surface(case: PushCase, rng: np.random.Generator) -> tuple[Array, Array, Any]:

@@ -62,9 +62,9 @@ def test_end_effectors_are_found_relative_to_each_other(
     expected = (kinematics.positions - kinematics.positions[0]) @ kinematics.rotations[0]
     for feet in ((0, 1), (0, 0), (1, 1)):
         measured = LoadEstimator(model, 0.002).update(state, feet)
-        found = (measured.positions - measured.positions[0]) @ measured.soles[0]
+        found = (measured.positions - measured.positions[0]) @ measured.rotations[0]
         np.testing.assert_allclose(found, expected, atol=1e-9)
-    np.testing.assert_allclose(measured.soles[1], np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(measured.rotations[1], np.eye(3), atol=1e-9)
 
 
 def test_a_joint_that_reads_nan_makes_no_force(model: ControlledModel, state: RobotState) -> None:

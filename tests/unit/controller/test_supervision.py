@@ -17,6 +17,8 @@ CUP = (1.3, 0.2, 0.95)
 """Out of reach: the left hand is under way for long."""
 LIMITS = Supervision()
 ALONG = np.array([1.0, 0.0, 0.0])
+RADIUS = 0.05
+"""Of the ball [m]."""
 
 
 @pytest.fixture
@@ -30,6 +32,12 @@ def leaning(model: ControlledModel, joints: Array) -> ContactWorld:
     world.run(1.5)
     assert world.findings == []
     return world
+
+
+def rotation_about_y(angle: float) -> Array:
+    """Return a rotation (3, 3); a ball on a table that turns so rolls along x."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
 def seconds_until(world: ContactWorld, done: Callable[[], bool], limit: float) -> float:
@@ -123,10 +131,46 @@ def test_a_foot_that_slips_far_is_not_taken_for_the_hand(leaning: ContactWorld) 
 
 
 def test_slow_creep_is_no_slip(leaning: ContactWorld) -> None:
-    for _ in range(round(3.0 / leaning.dt)):
-        leaning.moved[RIGHT_HAND] += 0.003 * leaning.dt * ALONG
+    for _ in range(round(6.0 / leaning.dt)):
+        leaning.moved[RIGHT_HAND] += 0.0005 * leaning.dt * ALONG
         leaning.run(leaning.dt)
     assert leaning.findings == []
+
+
+def test_a_hand_that_is_drawn_slowly_over_its_friction_slips(leaning: ContactWorld) -> None:
+    for _ in range(round(4.0 / leaning.dt)):
+        leaning.moved[RIGHT_HAND] += 0.002 * leaning.dt * ALONG
+        leaning.run(leaning.dt)
+    assert [finding.cause for finding in leaning.findings] == ["contact_slips"]
+    assert 0.004 < np.linalg.norm(leaning.moved[RIGHT_HAND]) < 0.009
+
+
+@pytest.mark.parametrize("rolls", [True, False])
+def test_a_ball_that_rolls_does_not_slip_and_one_that_turns_on_the_spot_does(
+    leaning: ContactWorld, rolls: bool
+) -> None:
+    for tick in range(round(1.0 / leaning.dt)):
+        angle = 0.3 * (tick + 1) * leaning.dt
+        leaning.turned[1] = rotation_about_y(angle)
+        leaning.moved[RIGHT_HAND] = RADIUS * angle * ALONG if rolls else 0.0
+        leaning.run(leaning.dt)
+    assert bool(leaning.findings) != rolls
+
+
+def test_a_hand_that_slipped_bears_along_the_normal_alone(leaning: ContactWorld) -> None:
+    leaning.retargeting.state.wrenches[RIGHT_HAND, 0] = 5.0
+    leaning.run(0.1)
+    along = leaning.retargeting.state.wrenches[RIGHT_HAND]
+    assert np.hypot(along[0], along[1]) > 2.0
+    normal = along[2]
+    for _ in range(round(0.2 / leaning.dt)):
+        leaning.moved[RIGHT_HAND] += 0.05 * leaning.dt * ALONG
+        leaning.run(leaning.dt)
+    leaning.run(2.0)
+    along = leaning.retargeting.state.wrenches[RIGHT_HAND]
+    assert np.hypot(along[0], along[1]) < 0.3
+    assert along[2] == pytest.approx(normal, abs=5.0)
+    assert leaning.retargeting.failures == 0
 
 
 def test_a_hand_that_slips_again_is_unloaded(leaning: ContactWorld) -> None:
