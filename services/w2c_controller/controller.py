@@ -14,24 +14,24 @@ from msgspec.structs import replace
 
 from w2c.messages import JointCommand, RobotDescription, RobotState
 from w2c.messages.control import Phase
-from w2c_controller.body import Body
-from w2c_controller.desired import DesiredState
-from w2c_controller.events import Event, EventState
-from w2c_controller.filters import Blend
-from w2c_controller.guards import SENSE_EVERY, Guards, joint_limits
-from w2c_controller.handout import Handout
-from w2c_controller.model import build_model
+from w2c_controller.goals.body import Body
+from w2c_controller.goals.planner import RoutePlanner
+from w2c_controller.goals.requests import Request, Requests, Situation
+from w2c_controller.kinematics.model import build_model
+from w2c_controller.kinematics.vectors import largest_difference
+from w2c_controller.loop.summary import Snapshot, summarize
+from w2c_controller.motion.filters import Blend
 from w2c_controller.parameters import Parameters
-from w2c_controller.planner import RoutePlanner
-from w2c_controller.requests import Request, Requests, Situation
-from w2c_controller.safety import Hazard, Holds, SafetyReport
-from w2c_controller.snapshot import capture_controller
+from w2c_controller.safety.guards import SENSE_EVERY, Guards, joint_limits
+from w2c_controller.safety.hazards import Hazard, Holds, SafetyReport
+from w2c_controller.safety.stop import Stop
+from w2c_controller.safety.takeover import Takeover
+from w2c_controller.seiko.desired import DesiredState
+from w2c_controller.snapshots.handout import Handout
+from w2c_controller.snapshots.snapshot import capture_controller
+from w2c_controller.snapshots.state_tree import restore
 from w2c_controller.solvers import FallbackSolver
-from w2c_controller.state_tree import restore
-from w2c_controller.stop import Stop
-from w2c_controller.summary import Snapshot, summarize
-from w2c_controller.takeover import Takeover
-from w2c_controller.vectors import largest_difference
+from w2c_controller.switching.events import Event, EventState
 from w2c_controller.whole_body import WholeBody
 
 Vector = npt.NDArray[np.float64]

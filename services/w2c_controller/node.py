@@ -31,21 +31,21 @@ from w2c.messages import (
 )
 from w2c.realtime import CONTROLLER_PRIORITY, NOT_ASKED, Setting, collector_off, real_time
 from w2c_controller.config import ControllerConfig
-from w2c_controller.contacts import Enabled
 from w2c_controller.controller import Controller
-from w2c_controller.desired import STANDING
-from w2c_controller.feed import StateFeed
-from w2c_controller.goals import check_end_effector
-from w2c_controller.handout import Handout
-from w2c_controller.keeper import Keeper
-from w2c_controller.preview import preview
-from w2c_controller.qp_meter import QpMeter
-from w2c_controller.rehearsal import rehearse
-from w2c_controller.removal import check_removal, stays_there
-from w2c_controller.reports import Reports
-from w2c_controller.safety import Hazard
-from w2c_controller.search_process import SearchProcess
-from w2c_controller.timing import Timing
+from w2c_controller.goals.goals import check_end_effector
+from w2c_controller.loop.feed import StateFeed
+from w2c_controller.loop.qp_meter import QpMeter
+from w2c_controller.loop.rehearsal import rehearse
+from w2c_controller.loop.reports import Reports
+from w2c_controller.loop.timing import Timing
+from w2c_controller.preview.preview import preview
+from w2c_controller.preview.removal import check_removal, stays_there
+from w2c_controller.preview.search_process import SearchProcess
+from w2c_controller.safety.hazards import Hazard
+from w2c_controller.seiko.contacts import Enabled
+from w2c_controller.seiko.desired import STANDING
+from w2c_controller.snapshots.handout import Handout
+from w2c_controller.snapshots.keeper import Keeper
 
 STATUS_EVERY = 25
 """Ticks between two status messages: 20 Hz."""

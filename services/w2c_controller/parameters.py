@@ -7,8 +7,8 @@ tables). `dataclasses.replace` makes variants; nothing here changes at run time.
 from dataclasses import dataclass, field
 from typing import Final
 
-from w2c_controller.contact_parameters import Push, Supervision
-from w2c_controller.force_parameters import ForceParameters
+from w2c_controller.seiko.force_parameters import ForceParameters
+from w2c_controller.switching.contact_parameters import Push, Supervision
 
 LEFT_FOOT: Final = 0
 RIGHT_FOOT: Final = 1

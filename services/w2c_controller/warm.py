@@ -18,7 +18,7 @@ def main() -> int:
     if compiled.numba is None:
         _say("numba is not installed; the controller runs the same code, uncompiled")
         return 0
-    from w2c_controller.rehearsal import rehearse
+    from w2c_controller.loop.rehearsal import rehearse
 
     begin = time.monotonic()
     try:

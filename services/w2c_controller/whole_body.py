@@ -11,21 +11,21 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.messages import RobotDescription, RobotState
-from w2c_controller.admittance import Admittance
-from w2c_controller.events import Event
-from w2c_controller.force_control import ForceControl
-from w2c_controller.gaze import Gaze, find_neck
-from w2c_controller.guards import SENSE_EVERY
-from w2c_controller.hands import Hands
-from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
+from w2c_controller.kinematics.model import ControlledModel, Kinematics, standing_configuration
+from w2c_controller.kinematics.vectors import largest_difference, look_ahead
+from w2c_controller.motion.gaze import Gaze, find_neck
+from w2c_controller.motion.hands import Hands
 from w2c_controller.parameters import HANDS, LEFT_HAND, RIGHT_HAND, Parameters
-from w2c_controller.payload import Payloads
-from w2c_controller.retargeting import Retargeting
-from w2c_controller.sensing import LoadEstimator, Measured
+from w2c_controller.safety.guards import SENSE_EVERY
+from w2c_controller.seiko.force_control import ForceControl
+from w2c_controller.seiko.retargeting import Retargeting
+from w2c_controller.sensing.admittance import Admittance
+from w2c_controller.sensing.loads import LoadEstimator, Measured
+from w2c_controller.sensing.payload import Payloads
 from w2c_controller.solvers import FallbackSolver
-from w2c_controller.supervision import Finding
-from w2c_controller.switching import Switching
-from w2c_controller.vectors import largest_difference, look_ahead
+from w2c_controller.switching.events import Event
+from w2c_controller.switching.supervision import Finding
+from w2c_controller.switching.switching import Switching
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]

@@ -5,15 +5,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from w2c.messages import Array, EndEffector, Task
-from w2c_controller.events import Event
-from w2c_controller.goals import Goal
-from w2c_controller.hands import Hands
-from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
+from w2c_controller.goals.goals import Goal
+from w2c_controller.kinematics.model import ControlledModel, Kinematics, standing_configuration
+from w2c_controller.motion.hands import Hands
 from w2c_controller.parameters import EFFECTORS, FEET, Parameters
-from w2c_controller.retargeting import Retargeting
-from w2c_controller.sensing import Measured
-from w2c_controller.supervision import Finding
-from w2c_controller.switching import Switching
+from w2c_controller.seiko.retargeting import Retargeting
+from w2c_controller.sensing.loads import Measured
+from w2c_controller.switching.events import Event
+from w2c_controller.switching.supervision import Finding
+from w2c_controller.switching.switching import Switching
 
 UP = np.array([0.0, 0.0, 1.0])
 STIFFNESS = 12_000.0

@@ -6,7 +6,7 @@ import pinocchio as pin
 from w2c.messages import Array, JointCommand, RobotDescription, RobotState
 from w2c.messages.robot import DriverMode
 from w2c_controller.controller import Controller
-from w2c_controller.model import Kinematics, build_model, standing_configuration
+from w2c_controller.kinematics.model import Kinematics, build_model, standing_configuration
 
 
 class IdealRobot:

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -7,8 +7,8 @@ import pytest
 
 from w2c.messages import Array
 from w2c_controller.controller import Controller
-from w2c_controller.force_parameters import AdmittanceGains
 from w2c_controller.parameters import Parameters
+from w2c_controller.seiko.force_parameters import AdmittanceGains
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.study import study_robot
 

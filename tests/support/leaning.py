@@ -18,8 +18,8 @@ from w2c.messages import (
 )
 from w2c.messages.robot import DriverMode
 from w2c_controller.controller import Controller
-from w2c_controller.events import Event
-from w2c_controller.reach import farthest_reach
+from w2c_controller.preview.reach import farthest_reach
+from w2c_controller.switching.events import Event
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import build_model
 from w2c_sim_robot.physics import Simulator

@@ -3,11 +3,11 @@
 import numpy as np
 
 from w2c.messages import Array
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import Parameters
-from w2c_controller.program import clamp_norm
-from w2c_controller.retargeting import Retargeting
-from w2c_controller.stall import StallDetector
+from w2c_controller.seiko.program import clamp_norm
+from w2c_controller.seiko.retargeting import Retargeting
+from w2c_controller.switching.stall import StallDetector
 
 LONGEST_S = 60.0
 

@@ -12,7 +12,7 @@ import numpy as np
 from w2c.extras import needs_extra
 from w2c.messages import RobotDescription
 from w2c_controller.bench.cases import ENDS, TURN_TICKS
-from w2c_controller.model import build_model, standing_configuration
+from w2c_controller.kinematics.model import build_model, standing_configuration
 
 with needs_extra("bench"):
     from pink import Configuration, solve_ik

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from w2c.messages import RobotDescription, RobotState
 from w2c_controller.controller import Controller
-from w2c_controller.model import Kinematics, standing_configuration
+from w2c_controller.kinematics.model import Kinematics, standing_configuration
 from w2c_controller.parameters import FEET, HANDS, LEFT_HAND
 
 Vector = npt.NDArray[np.float64]

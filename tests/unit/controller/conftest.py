@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from w2c.messages import Array, RobotDescription
-from w2c_controller.model import ControlledModel, build_model
+from w2c_controller.kinematics.model import ControlledModel, build_model
 from w2c_controller.parameters import Parameters
-from w2c_controller.retargeting import Retargeting
-from w2c_controller.search import StaticSearch
+from w2c_controller.preview.search import StaticSearch
+from w2c_controller.seiko.retargeting import Retargeting
 from w2c_sim_robot.description import make_description
 
 

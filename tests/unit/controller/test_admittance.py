@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from w2c.messages import Array
-from w2c_controller.admittance import Admittance
-from w2c_controller.filters import PoseFilters
-from w2c_controller.force_parameters import ForceParameters
+from w2c_controller.motion.filters import PoseFilters
 from w2c_controller.parameters import Filters
-from w2c_controller.sensing import Measured
+from w2c_controller.seiko.force_parameters import ForceParameters
+from w2c_controller.sensing.admittance import Admittance
+from w2c_controller.sensing.loads import Measured
 
 DT = 0.008
 STANDING = (True, True, False, False)

@@ -6,8 +6,8 @@ from support.states import standing_state
 from w2c.bus.codec import Envelope
 from w2c.bus.interface import Received
 from w2c.messages import RobotDescription, RobotState
-from w2c_controller.cadence import Cadence, Transit
-from w2c_controller.feed import StateFeed
+from w2c_controller.loop.cadence import Cadence, Transit
+from w2c_controller.loop.feed import StateFeed
 
 PERIOD = 2_000_000
 US = 1_000

@@ -13,11 +13,11 @@ import pytest
 
 from w2c.errors import SolverError
 from w2c.messages import Array
-from w2c_controller.contacts import ContactLayout
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import Clamps, Limits, Parameters
-from w2c_controller.program import ProgramBuilder
-from w2c_controller.retargeting import Retargeting
+from w2c_controller.seiko.contacts import ContactLayout
+from w2c_controller.seiko.program import ProgramBuilder
+from w2c_controller.seiko.retargeting import Retargeting
 from w2c_controller.solvers import FallbackSolver, Program
 
 DT = 0.01

@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from w2c_controller.contacts import ContactLayout, contact_sets, plane_cone, point_cone
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import Limits
-from w2c_controller.retargeting import Retargeting
+from w2c_controller.seiko.contacts import ContactLayout, contact_sets, plane_cone, point_cone
+from w2c_controller.seiko.retargeting import Retargeting
 
 LIMITS = Limits()
 force = st.floats(-150.0, 150.0)

@@ -9,9 +9,9 @@ from fakes.ideal_robot import IdealRobot
 from w2c.errors import ControlError, GoalRefusedError
 from w2c.messages import PlaceGoal, ReleaseGoal, RobotDescription
 from w2c_controller.controller import Controller
-from w2c_controller.force_parameters import ForceParameters
-from w2c_controller.model import Kinematics
+from w2c_controller.kinematics.model import Kinematics
 from w2c_controller.parameters import Parameters
+from w2c_controller.seiko.force_parameters import ForceParameters
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from w2c_controller.feelers import Feelers
-from w2c_controller.sensing import Measured
+from w2c_controller.sensing.feelers import Feelers
+from w2c_controller.sensing.loads import Measured
 
 LEFT_FOOT, RIGHT_HAND = 0, 3
 

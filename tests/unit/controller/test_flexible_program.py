@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from w2c.messages import Array
-from w2c_controller.contacts import ContactLayout
-from w2c_controller.flexible_model import FlexibleState
-from w2c_controller.flexible_program import FlexibleProgram
-from w2c_controller.force_parameters import FlexibleWeights, ForceParameters
-from w2c_controller.model import Kinematics
+from w2c_controller.kinematics.model import Kinematics
 from w2c_controller.parameters import Clamps, Parameters
-from w2c_controller.retargeting import Retargeting
+from w2c_controller.seiko.contacts import ContactLayout
+from w2c_controller.seiko.flexible_model import FlexibleState
+from w2c_controller.seiko.flexible_program import FlexibleProgram
+from w2c_controller.seiko.force_parameters import FlexibleWeights, ForceParameters
+from w2c_controller.seiko.retargeting import Retargeting
 from w2c_controller.solvers import DaqpSolver, Program, UnsolvedError
 
 DT = 0.01

@@ -7,12 +7,12 @@ import pytest
 
 from fakes.seiko_reference import reference_file, reference_model
 from w2c.messages import Array
-from w2c_controller.contacts import ContactLayout, Enabled
-from w2c_controller.flexible_model import FlexibleState
-from w2c_controller.flexible_program import FlexibleProgram
-from w2c_controller.force_parameters import ForceParameters
-from w2c_controller.model import ControlledModel, Kinematics
+from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.parameters import Parameters
+from w2c_controller.seiko.contacts import ContactLayout, Enabled
+from w2c_controller.seiko.flexible_model import FlexibleState
+from w2c_controller.seiko.flexible_program import FlexibleProgram
+from w2c_controller.seiko.force_parameters import ForceParameters
 from w2c_controller.solvers import DaqpSolver
 
 DT = 0.002

@@ -7,13 +7,13 @@ import pytest
 
 from w2c.errors import ControlError, SolverError
 from w2c.messages import Array
-from w2c_controller.flexible_model import FlexibleState, find_equilibrium
-from w2c_controller.force_control import ForceControl
-from w2c_controller.force_parameters import ForceParameters
-from w2c_controller.model import ControlledModel, Kinematics
+from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.parameters import Parameters
-from w2c_controller.retargeting import Retargeting
-from w2c_controller.sensing import Measured
+from w2c_controller.seiko.flexible_model import FlexibleState, find_equilibrium
+from w2c_controller.seiko.force_control import ForceControl
+from w2c_controller.seiko.force_parameters import ForceParameters
+from w2c_controller.seiko.retargeting import Retargeting
+from w2c_controller.sensing.loads import Measured
 from w2c_controller.solvers import DaqpSolver, Program
 
 DT = 0.01

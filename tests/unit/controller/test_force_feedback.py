@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from w2c.messages import Array
-from w2c_controller.desired import DesiredState
-from w2c_controller.force_feedback import TorqueLimits, WrenchFeedback
-from w2c_controller.force_parameters import ForceParameters
-from w2c_controller.sensing import Measured
+from w2c_controller.seiko.desired import DesiredState
+from w2c_controller.seiko.force_feedback import TorqueLimits, WrenchFeedback
+from w2c_controller.seiko.force_parameters import ForceParameters
+from w2c_controller.sensing.loads import Measured
 
 DT = 0.002
 LEANING = (True, True, False, True)

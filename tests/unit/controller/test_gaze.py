@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from w2c.geometry import Matrix, Vector
-from w2c_controller.gaze import FARTHER, SPEED, Gaze, Neck, fill_neck_angles, find_neck
-from w2c_controller.model import build_model
+from w2c_controller.kinematics.model import build_model
+from w2c_controller.motion.gaze import FARTHER, SPEED, Gaze, Neck, fill_neck_angles, find_neck
 from w2c_sim_robot.description import make_description
 
 NECK = Neck(

@@ -7,10 +7,10 @@ from msgspec.structs import replace
 
 from w2c.errors import GoalRefusedError
 from w2c.messages import Array, EndEffector, PlaceGoal, ReleaseGoal, Task
-from w2c_controller.body import Body
-from w2c_controller.goals import check_end_effector, check_place
-from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.requests import Requests, Situation
+from w2c_controller.goals.body import Body
+from w2c_controller.goals.goals import check_end_effector, check_place
+from w2c_controller.goals.requests import Requests, Situation
+from w2c_controller.kinematics.model import ControlledModel, Kinematics, standing_configuration
 
 RADIUS = (0.0, 0.05)
 

@@ -6,10 +6,10 @@ import pytest
 
 from support.states import standing_state
 from w2c.messages import Array, RobotDescription
-from w2c_controller.guards import SENSE_EVERY, Guards, joint_limits
 from w2c_controller.parameters import GuardLimits
-from w2c_controller.safety import Hazard
-from w2c_controller.sensing import Measured
+from w2c_controller.safety.guards import SENSE_EVERY, Guards, joint_limits
+from w2c_controller.safety.hazards import Hazard
+from w2c_controller.sensing.loads import Measured
 
 DT = 0.002
 LIMITS = GuardLimits()

@@ -11,7 +11,7 @@ from w2c.errors import GoalRefusedError, SolverError
 from w2c.messages import Array, PlaceGoal, RobotDescription, RobotState
 from w2c.messages.control import SafetyCause
 from w2c_controller.controller import Controller
-from w2c_controller.safety import RULES, Hazard
+from w2c_controller.safety.hazards import RULES, Hazard
 
 STANDS = 220
 """Ticks until the controller's own command is in force."""

@@ -6,7 +6,12 @@ import pytest
 
 from w2c.errors import ConfigError
 from w2c.messages import Array, RobotDescription
-from w2c_controller.model import ControlledModel, Kinematics, build_model, standing_configuration
+from w2c_controller.kinematics.model import (
+    ControlledModel,
+    Kinematics,
+    build_model,
+    standing_configuration,
+)
 
 STEP = 1e-6
 ENABLED = (True, True, True, True)

@@ -24,7 +24,7 @@ from w2c.messages import (
 )
 from w2c_controller.config import ControllerConfig
 from w2c_controller.node import ControllerNode
-from w2c_controller.search import StaticSearch
+from w2c_controller.preview.search import StaticSearch
 from w2c_sim_robot.config import RobotConfig
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import build_model

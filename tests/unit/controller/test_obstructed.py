@@ -9,8 +9,8 @@ from support.tabletop import TABLE, table
 from w2c.errors import GoalRefusedError
 from w2c.messages import Array, HeightField, PlaceGoal, ReleaseGoal, RobotDescription
 from w2c_controller.controller import Controller
-from w2c_controller.force_parameters import ForceParameters
 from w2c_controller.parameters import LEFT_HAND, Parameters
+from w2c_controller.seiko.force_parameters import ForceParameters
 
 WALL = table((0.62, 0.3, 0.04, 1.0, 2.1))
 BOX = (0.62, 0.34, 0.06, 0.12, 0.99)

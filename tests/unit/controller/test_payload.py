@@ -8,17 +8,17 @@ import pytest
 
 from w2c.messages import RobotDescription
 from w2c_controller.controller import Controller
-from w2c_controller.force_parameters import ForceParameters
-from w2c_controller.model import (
+from w2c_controller.kinematics.model import (
     ControlledModel,
     Kinematics,
     build_model,
     standing_configuration,
 )
 from w2c_controller.parameters import RIGHT_HAND
-from w2c_controller.payload import GRAVITY, Payloads
-from w2c_controller.sensing import Measured
-from w2c_controller.takeover import find_supports
+from w2c_controller.safety.takeover import find_supports
+from w2c_controller.seiko.force_parameters import ForceParameters
+from w2c_controller.sensing.loads import Measured
+from w2c_controller.sensing.payload import GRAVITY, Payloads
 from w2c_sim_robot.perturbation import Perturbation
 from w2c_sim_robot.study import study_robot
 

@@ -8,11 +8,11 @@ import pytest
 from support.stalling import random_target, stall_distance
 from w2c.geometry import frame_from_normal
 from w2c.messages import Array, EndEffector, PlaceGoal, PreviewReply, Task
-from w2c_controller.desired import DesiredState
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import RIGHT_HAND, Parameters
-from w2c_controller.preview import preview
-from w2c_controller.search import StaticSearch
+from w2c_controller.preview.preview import preview
+from w2c_controller.preview.search import StaticSearch
+from w2c_controller.seiko.desired import DesiredState
 
 UP = (0.0, 0.0, 1.0)
 BOOK = np.array([0.48, -0.25, 0.84])

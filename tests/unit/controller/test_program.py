@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from w2c.messages import Array
-from w2c_controller.contacts import ContactLayout
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import Clamps, Limits, Parameters, Weights
-from w2c_controller.program import ProgramBuilder, clamp_norm
-from w2c_controller.retargeting import Retargeting
+from w2c_controller.seiko.contacts import ContactLayout
+from w2c_controller.seiko.program import ProgramBuilder, clamp_norm
+from w2c_controller.seiko.retargeting import Retargeting
 from w2c_controller.solvers import DaqpSolver, Program, UnsolvedError
 
 LEFT_HAND = 2

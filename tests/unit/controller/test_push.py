@@ -8,10 +8,10 @@ import pytest
 
 from fakes.contact_world import ContactWorld, make_goal
 from w2c.messages import Array
-from w2c_controller.contact_parameters import Push
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import RIGHT_HAND, Motion, Parameters
-from w2c_controller.push import PushCommand
+from w2c_controller.switching.contact_parameters import Push
+from w2c_controller.switching.push import PushCommand
 
 TABLE = 0.84
 BOOK = (0.45, -0.30, TABLE)

@@ -5,7 +5,7 @@ import pytest
 
 from w2c.errors import ControlError
 from w2c.messages import PlaceGoal, RobotDescription
-from w2c_controller.reach import farthest_reach
+from w2c_controller.preview.reach import farthest_reach
 
 UP = np.array([0.0, 0.0, 1.0])
 

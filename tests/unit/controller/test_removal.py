@@ -5,11 +5,11 @@ import pytest
 
 from w2c.errors import GoalRefusedError
 from w2c.messages import Array, EndEffector, PlaceGoal
-from w2c_controller.desired import DesiredState
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import LEFT_FOOT, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND
-from w2c_controller.removal import check_removal, stays_there
-from w2c_controller.search import StaticSearch
+from w2c_controller.preview.removal import check_removal, stays_there
+from w2c_controller.preview.search import StaticSearch
+from w2c_controller.seiko.desired import DesiredState
 
 BOOK = np.array([0.48, -0.25, 0.84])
 UP = np.array([0.0, 0.0, 1.0])

@@ -5,9 +5,9 @@ import pytest
 
 from w2c.errors import ControlError, SolverError
 from w2c.messages import Array
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import Parameters
-from w2c_controller.retargeting import Retargeting
+from w2c_controller.seiko.retargeting import Retargeting
 from w2c_controller.solvers import Program
 
 RIGHT_HAND = 3

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from w2c.messages import Array
-from w2c_controller.rotations import rotation_between, rotation_vector, turn
+from w2c_controller.kinematics.rotations import rotation_between, rotation_vector, turn
 
 number = st.floats(-1.0, 1.0)
 

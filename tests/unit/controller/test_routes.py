@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from support.tabletop import CELL, ORIGIN, TABLE, table
 from w2c.errors import GoalRefusedError
 from w2c.messages import HeightField, Task
-from w2c_controller.goals import Goal
-from w2c_controller.parameters import Motion
-from w2c_controller.routes import (
+from w2c_controller.goals.goals import Goal
+from w2c_controller.motion.routes import (
     approach,
     check_retreat,
     may_cut,
@@ -20,7 +19,7 @@ from w2c_controller.routes import (
     retreat,
     way_back,
 )
-from w2c_controller.terrain import (
+from w2c_controller.motion.terrain import (
     ARM_BALLS,
     ARM_SPACING,
     NEAR_CLEARANCE,
@@ -31,7 +30,8 @@ from w2c_controller.terrain import (
     Arm,
     make_terrain,
 )
-from w2c_controller.trajectory import Leg
+from w2c_controller.motion.trajectory import Leg
+from w2c_controller.parameters import Motion
 
 UP = np.array([0.0, 0.0, 1.0])
 AT_REST = np.zeros(3)

@@ -3,7 +3,7 @@
 import typing
 
 from w2c.messages.control import SafetyCause
-from w2c_controller.safety import LONGEST_PAUSE, RULES, Hazard, Holds
+from w2c_controller.safety.hazards import LONGEST_PAUSE, RULES, Hazard, Holds
 
 DT = 0.002
 

@@ -11,9 +11,9 @@ import pytest
 from support.waiting import wait_until
 from w2c.errors import GoalRefusedError, UnavailableError
 from w2c.messages import Array, PlaceGoal, RobotDescription
-from w2c_controller.preview import preview
-from w2c_controller.search import StaticSearch
-from w2c_controller.search_process import SearchProcess
+from w2c_controller.preview.preview import preview
+from w2c_controller.preview.search import StaticSearch
+from w2c_controller.preview.search_process import SearchProcess
 
 
 @pytest.fixture(scope="module")

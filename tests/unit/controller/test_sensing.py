@@ -6,8 +6,8 @@ import pinocchio as pin
 import pytest
 
 from w2c.messages import Array, RobotState
-from w2c_controller.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.sensing import LoadEstimator
+from w2c_controller.kinematics.model import ControlledModel, Kinematics, standing_configuration
+from w2c_controller.sensing.loads import LoadEstimator
 
 FORCE = np.array([-12.0, 4.0, 55.0])
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from w2c_controller.loop.timing import KEPT, Timing
 from w2c_controller.parameters import Motion
-from w2c_controller.stall import StallDetector
-from w2c_controller.timing import KEPT, Timing
+from w2c_controller.switching.stall import StallDetector
 
 
 def test_a_slow_motion_is_no_stall_and_a_rest_is() -> None:

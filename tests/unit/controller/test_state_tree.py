@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-import w2c_controller.state_tree as module
+import w2c_controller.snapshots.state_tree as module
 from w2c.messages import Array
-from w2c_controller.state_tree import SnapshotError, capture, restore
+from w2c_controller.snapshots.state_tree import SnapshotError, capture, restore
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Whole:
 
 
 for _kind in (Value, Constant, Part, Whole):
-    _kind.__module__ = "w2c_controller.state_tree"
+    _kind.__module__ = "w2c_controller.snapshots.state_tree"
     setattr(module, _kind.__qualname__, _kind)
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from fakes.contact_world import ContactWorld, make_goal
 from w2c.messages import Array
-from w2c_controller.contact_parameters import Supervision
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import LEFT_FOOT, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND
+from w2c_controller.switching.contact_parameters import Supervision
 
 TABLE = 0.84
 BOOK = (0.45, -0.30, TABLE)

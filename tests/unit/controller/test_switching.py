@@ -5,7 +5,7 @@ import pytest
 
 from fakes.contact_world import ContactWorld, make_goal
 from w2c.messages import Array
-from w2c_controller.model import ControlledModel
+from w2c_controller.kinematics.model import ControlledModel
 from w2c_controller.parameters import LEFT_HAND, RIGHT_HAND, Motion, Parameters
 
 DT = 0.01

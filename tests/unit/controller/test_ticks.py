@@ -8,11 +8,11 @@ import pytest
 
 from fakes.seiko_reference import reference_file, reference_model
 from w2c.messages import Array
-from w2c_controller.contacts import ContactLayout
-from w2c_controller.desired import DesiredState
-from w2c_controller.model import ControlledModel, Kinematics
+from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.parameters import Parameters, Weights
-from w2c_controller.program import ProgramBuilder
+from w2c_controller.seiko.contacts import ContactLayout
+from w2c_controller.seiko.desired import DesiredState
+from w2c_controller.seiko.program import ProgramBuilder
 from w2c_controller.solvers import ActiveSetSolver, DaqpSolver, FallbackSolver, PiqpSolver, Program
 
 DT = 0.002

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from w2c_controller.goals import Goal
+from w2c_controller.goals.goals import Goal
+from w2c_controller.motion.routes import DIRECT, approach, curve, retreat
+from w2c_controller.motion.trajectory import Path, make_leg, straight
 from w2c_controller.parameters import Motion
-from w2c_controller.routes import DIRECT, approach, curve, retreat
-from w2c_controller.trajectory import Path, make_leg, straight
 
 DT = 0.002
 UP = np.array([0.0, 0.0, 1.0])

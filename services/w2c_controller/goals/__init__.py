@@ -1,0 +1,1 @@
+"""What is asked of the controller, and what is refused before anything moves."""

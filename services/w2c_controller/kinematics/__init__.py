@@ -1,0 +1,1 @@
+"""The robot's tree: constants, kinematics, statics and their derivatives, compiled."""

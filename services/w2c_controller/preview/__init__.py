@@ -1,0 +1,1 @@
+"""What would come of a goal, searched in a process of its own."""

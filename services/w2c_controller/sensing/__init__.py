@@ -1,0 +1,1 @@
+"""What the robot feels: loads on its end effectors, payloads, touches."""

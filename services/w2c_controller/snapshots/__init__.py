@@ -1,0 +1,1 @@
+"""All of a controller's state, to go on from after its own death."""

@@ -1,0 +1,1 @@
+"""How contacts are made, watched and left: the phases of a goal."""
