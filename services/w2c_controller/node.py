@@ -12,34 +12,24 @@ import time
 
 from w2c import topics
 from w2c.bus import Bus, Queue, Received
-from w2c.bus.interface import CallContext
 from w2c.clock import Clock
-from w2c.errors import CallError, ConnectionFailedError, ControlError, UnavailableError
+from w2c.errors import CallError, ConnectionFailedError, ControlError
 from w2c.messages import (
     ControllerSnapshot,
     Empty,
-    GoalReply,
     JointCommand,
-    PlaceGoal,
-    PreviewReply,
-    ReleaseGoal,
-    ResumeReply,
     RobotDescription,
     RobotState,
-    StopReply,
-    StopRequest,
 )
 from w2c.realtime import CONTROLLER_PRIORITY, NOT_ASKED, Setting, collector_off, real_time
+from w2c_controller.calls import Calls
 from w2c_controller.config import ControllerConfig
 from w2c_controller.controller import Controller
-from w2c_controller.goals.goals import check_end_effector
 from w2c_controller.loop.feed import StateFeed
 from w2c_controller.loop.qp_meter import QpMeter
 from w2c_controller.loop.rehearsal import rehearse
 from w2c_controller.loop.reports import Reports
 from w2c_controller.loop.timing import Timing
-from w2c_controller.preview.preview import preview
-from w2c_controller.preview.removal import check_removal, stays_there
 from w2c_controller.preview.search_process import SearchProcess
 from w2c_controller.safety.hazards import Hazard
 from w2c_controller.seiko.contacts import Enabled
@@ -59,7 +49,6 @@ POLL_S = 0.1
 RETRY_S = 0.2
 SWITCH_INTERVAL_S = 0.0003
 """Calls share the interpreter with the loop, and must let go of it quickly."""
-RESUME_PATIENCE_S = 0.5
 
 log = logging.getLogger("w2c.controller")
 
@@ -86,6 +75,7 @@ class ControllerNode:
         self._kept: tuple[str, Enabled] = "", STANDING
         self._begun = ""
         self.search = SearchProcess()
+        self._calls = Calls(bus, self.search)
         self._switch_interval = sys.getswitchinterval()
 
     @property
@@ -112,11 +102,7 @@ class ControllerNode:
                 self._description.period_ns,
                 old_ns=round(self._config.old_ms * 1e6),
             )
-        self._bus.serve(topics.PLACE, self._place)
-        self._bus.serve(topics.RELEASE, self._release)
-        self._bus.serve(topics.CONTROLLER_STOP, self._stop)
-        self._bus.serve(topics.CONTROLLER_RESUME, self._resume)
-        self._bus.serve(topics.PREVIEW, self._preview)
+        self._calls.serve()
         self._bus.serve(topics.SNAPSHOT, lambda _request, _context: self._snapshots.ask(1.0))
 
     def run(self, stop: threading.Event) -> None:
@@ -279,7 +265,7 @@ class ControllerNode:
 
     def _build(self, description: RobotDescription) -> None:
         self._description = description
-        self.controller = Controller(description)
+        self.controller = self._calls.controller = Controller(description)
         self.search.begin(description)
         self._timing = Timing(description.period_ns)
         self._meters = QpMeter(self.controller.solvers[0]), QpMeter(self.controller.solvers[1])
@@ -299,55 +285,3 @@ class ControllerNode:
                         f"({error}); start it with: w2c robot --robot {self._bus.robot}"
                     ) from error
             time.sleep(RETRY_S)
-
-    # --- calls, each on a thread of its own ------------------------------------------------------
-    def _place(self, request: PlaceGoal, _: CallContext) -> GoalReply:
-        self._check_removal(request.end_effector, request)
-        return self.controller.requests.place(request)
-
-    def _release(self, request: ReleaseGoal, _: CallContext) -> GoalReply:
-        self._check_removal(request.end_effector)
-        return self.controller.requests.release(request)
-
-    def _check_removal(self, end_effector: str, goal: PlaceGoal | None = None) -> None:
-        """Refuse to take away a contact without which the robot would not stand.
-
-        On a copy of the desired state, before the loop hears of it. What cannot begin anyway is
-        left to the admission, which says why.
-        """
-        controller, contact = self.controller, check_end_effector(end_effector)
-        now = controller.requests.situation
-        moves = now.ready and not (now.stopped or now.stale or now.holding)
-        if not moves or not now.enabled[contact] or controller.requests.last_support(contact):
-            return
-        state = controller.desired_copy(timeout_s=1.0)
-        if goal is None or not self.search.ask(stays_there, state, goal):
-            self.search.ask(check_removal, state, contact)
-
-    def _stop(self, request: StopRequest, context: CallContext) -> StopReply:
-        """Hold at once, and have the driver hold, which outlives this process."""
-        self.controller.freeze(request.reason)
-        log.warning("stop from %s: %s", context.caller, request.reason or "no reason given")
-        try:
-            return self._bus.call(topics.ROBOT_STOP, request).message
-        except CallError as error:
-            raise UnavailableError(
-                f"the controller holds, but the driver did not acknowledge the stop ({error}); "
-                "try again, or go on with: w2c resume"
-            ) from error
-
-    def _resume(self, _request: Empty, context: CallContext) -> ResumeReply:
-        """End what holds the robot until an operator says so."""
-        log.warning("resume from %s", context.caller)
-        self.controller.resume()
-        deadline = time.monotonic() + RESUME_PATIENCE_S
-        while (holding := self.controller.requests.situation.holding) and (
-            time.monotonic() < deadline
-        ):
-            time.sleep(0.02)
-        return ResumeReply(holding=bool(holding), text=holding)
-
-    def _preview(self, request: PlaceGoal, _: CallContext) -> PreviewReply:
-        """Search on a copy of the desired state, in a process of its own: the loop goes on."""
-        state = self.controller.desired_copy(timeout_s=1.0)
-        return self.search.ask(preview, state, request)
