@@ -148,6 +148,9 @@ class Motion:
     reached_speed: float = 0.02
     bump_force: float = 10.0
     """Measured force that stops a reaching hand [N]."""
+    air_bump_force: float = 35.0
+    """The same on the way, where an arm that swings reads up to 15 N of its own in its joints when
+    ticks come late [N]"""
     foot_bump_force: float = 40.0
     bump_retreat: float = 0.002
     """How far it then backs off along the normal [m]."""

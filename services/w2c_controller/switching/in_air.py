@@ -75,8 +75,9 @@ class InAir(Phases):
         if not self._tared:
             self.feelers.tare(k, measured)
             self._tared = True
-        limit = self._motion_of(k).bump_force
+        motion = self._motion_of(k)
         at_target = self.phase == "reach" or (self.phase == "approach" and leg > 0)
+        limit = motion.bump_force if at_target else motion.air_bump_force
         share = 0.0 if at_target else self._tare_share
         force = self.feelers.feel(k, measured, limit, share)
         return self._bumped(force, limit) if force > limit else None

@@ -35,6 +35,7 @@ def for_feet(motion: Motion) -> Motion:
         touch_force=motion.foot_touch_force,
         load_confirmed=motion.foot_load_confirmed,
         bump_force=motion.foot_bump_force,
+        air_bump_force=motion.foot_bump_force,
     )
 
 

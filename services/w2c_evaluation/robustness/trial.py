@@ -61,7 +61,11 @@ def trial_parameters(mode: Mode, speed: float) -> Any:
             lead_position=max(filters.lead_position, lead),
         ),
         motion=replace(
-            own.motion, speed=HASTE * speed, reach_speed=HASTE * speed, bump_force=NEVER
+            own.motion,
+            speed=HASTE * speed,
+            reach_speed=HASTE * speed,
+            bump_force=NEVER,
+            air_bump_force=NEVER,
         ),
         force_control=replace(own.force_control, mode=FORCE_CONTROL[mode], **TORQUE_RATIOS),
     )
