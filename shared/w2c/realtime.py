@@ -21,7 +21,7 @@ ENOUGH_CORES: Final = 4
 """With fewer, two loops that go before everything starve the models beside them."""
 
 Setting = Literal["auto", "on", "off"]
-"""Of `--real-time`: ask; ask only where there are enough cores; do not ask."""
+"""Of `--real-time`: ask only where there are enough cores; ask; do not ask."""
 
 _MCL_CURRENT, _MCL_FUTURE, _MCL_ONFAULT = 1, 2, 4
 _TASKS = Path("/proc/self/task")
