@@ -206,7 +206,7 @@ def test_a_hand_on_its_way_to_a_contact_that_touches_something_stays_there(
     world = ContactWorld(model, joints, {RIGHT_HAND: TABLE})
     world.switching.place(make_goal(BOOK))
     world.run(1.0)
-    world.extra[RIGHT_HAND] = [-15.0, 0.0, 0.0]
+    world.extra[RIGHT_HAND] = [-45.0, 0.0, 0.0]
     assert world.run(1.0, "aborted") == "aborted"
     assert "touched something" in world.events[-1].reason
     assert "cm before the point" in world.events[-1].reason
