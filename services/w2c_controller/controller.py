@@ -24,6 +24,7 @@ from w2c_controller.motion.filters import Blend
 from w2c_controller.parameters import Parameters
 from w2c_controller.safety.guards import SENSE_EVERY, Guards, joint_limits
 from w2c_controller.safety.hazards import Hazard, Holds, SafetyReport
+from w2c_controller.safety.restraint import Restraint
 from w2c_controller.safety.stop import Stop
 from w2c_controller.safety.takeover import Takeover
 from w2c_controller.seiko.desired import DesiredState
@@ -40,7 +41,7 @@ FOREIGN_COMMAND = 0.03
 """A command in force that differs more from ours is not ours: go on from it [rad]."""
 OWN = (
     "requests", "description", "parameters", "model", "solvers", "_events", "_holds", "_stop",
-    "_handout", "takeover", "retargeting", "force_control",
+    "_handout", "_restraint", "takeover", "retargeting", "force_control",
 )  # fmt: skip
 """What a controller that goes on from a snapshot has of its own."""
 
@@ -65,9 +66,10 @@ class Controller:
             self.posture,
             RoutePlanner(self.model, self.body.at_rest, self.parameters.motion),
         )
-        self._guards = Guards(
-            description, joint_limits(description), self.parameters.guards, self.dt
-        )
+        limits = joint_limits(description)
+        self._guards = Guards(description, limits, self.parameters.guards, self.dt)
+        names = [joint.name for joint in description.joints]
+        self._restraint = Restraint(names, limits, self.dt)
         self._holds = Holds(self.dt)
         self.takeover = Takeover(self.body, self.model.joint_indices)
         """Has to be done before anything moves"""
@@ -254,9 +256,9 @@ class Controller:
             self._holds.found(hazard, self._tick)
 
     def _command_joints(self) -> None:
-        """Send what the robot can follow; otherwise the last command, and hold from here on."""
+        """Send what the robot can follow; after a fault the last command, and hold from here on."""
         command = self._blend.mix(self.body.command())
-        hazard = self._guards.inspect_command(command, self._command)
+        hazard = self._restraint.apply(command, self._command)
         if hazard is None:
             self._command = command
         else:

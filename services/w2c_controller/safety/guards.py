@@ -29,8 +29,6 @@ FROZEN_COMMAND = 1e-3
 """Readings may stay the same, bit by bit, while the command moves by less than this [rad]."""
 SENSE_EVERY = 4
 """Ticks between two looks at the measurements: 125 Hz, well above the 10 Hz of their filters."""
-SWEEP_TIME = 0.75
-"""A joint may cross its whole range in this time, no faster: the driver refuses what does [s]."""
 JOINT_CHANNELS: tuple[tuple[SafetyCause, str], ...] = (
     ("position_limit", "rad"),
     ("velocity_limit", "rad/s"),
@@ -99,15 +97,6 @@ def scan(
     return bits
 
 
-@compiled
-def first_jump(command: Vector, previous: Vector, largest_step: Vector) -> int:
-    """Return the first joint whose command (n,) is not finite or jumps by more than (n,); or -1."""
-    for i in range(command.shape[0]):
-        if not abs(command[i] - previous[i]) <= largest_step[i]:
-            return i
-    return -1
-
-
 @dataclass(frozen=True)
 class JointLimits:
     """Of all joints on the bus, in its order; each (n,)."""
@@ -168,7 +157,6 @@ class Guards:
             self._lower[block], self._upper[block] = low, high
             self._patience[block] = max(1, round(time / (SENSE_EVERY * dt)))
         self._frozen_scans = limits.frozen_time / (SENSE_EVERY * dt)
-        self._largest_step = (joints.upper - joints.lower) * dt / SWEEP_TIME
         self._refused_ticks = round(limits.refused_time / dt)
         self._overload_time, self._overloaded = limits.hand_time, np.zeros(2)
         self._answers = 0
@@ -206,19 +194,6 @@ class Guards:
         if bits == 0 and self._answers < self._refused_ticks:
             return NOTHING
         return self._describe(bits)
-
-    def inspect_command(self, command: Vector, previous: Vector) -> Hazard | None:
-        """Return what is wrong with a command (n,) that shall follow another one [rad]."""
-        at = first_jump(command, previous, self._largest_step)
-        if at < 0:
-            return None
-        name = self._names[at]
-        if not np.isfinite(command).all():
-            text = f"the command of {name} is not finite"
-            return Hazard("command_not_finite", text, name, float(command[at]), 0.0, "rad")
-        step, limit = float(abs(command[at] - previous[at])), float(self._largest_step[at])
-        text = f"the command of {name} would jump by {step:.4f} rad in one tick, limit {limit:.4f}"
-        return Hazard("command_jump", text, name, step, limit, "rad")
 
     def inspect_loads(self, measured: Measured, elapsed: float) -> Hazard | None:
         """Return which hand bears too much for too long.

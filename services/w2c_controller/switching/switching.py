@@ -100,10 +100,11 @@ class Switching(OnSurface):
     def supervise(self, measured: Measured) -> list[Finding]:
         """Look at a new measurement: do contacts hold, does something touch what is in the air.
 
-        The answer begins at once. Whatever happens, goals end and nothing moves on by itself; a
-        hand that lost its support, or slips again, is also unloaded in the model, so that the
-        robot comes back over what does carry it. Until it is placed anew, a hand that slipped bears
-        along the normal alone: that needs no friction.
+        The answer begins at once. Goals end and nothing moves on by itself, unless a foot slips
+        while a hand comes back: that goes on, back to where the feet bear alike. A hand that lost
+        its support, or slips again, is also unloaded in the model, so that the robot comes back
+        over what does carry it. Until it is placed anew, a hand that slipped bears along the normal
+        alone: that needs no friction.
 
         Returns:
             What was found, to be told.
@@ -176,6 +177,9 @@ class Switching(OnSurface):
     def _answer(self, finding: Finding) -> None:
         """End goals; unload a hand that has no support."""
         k, reason = finding.effector, finding.text()
+        if k in FEET and finding.cause == "contact_slips" and self._comes_back():
+            # On the way back the weight returns to the foot; to stop would leave it without.
+            return
         contact = self._contacts.get(k)
         told_anyway = contact is self.goal and self._unfinished()
         if contact is not None and finding.cause == "contact_lost" and not told_anyway:
@@ -196,6 +200,10 @@ class Switching(OnSurface):
         if finding.cause == "contact_lost" or (slips and again):
             self._begin_unload(k)
             self._stay = True
+
+    def _comes_back(self) -> bool:
+        """Return whether a hand in the air is on its way back."""
+        return self.phase == "retreat" and self._effector not in FEET
 
     def _note_carriers(self, measured: Measured) -> None:
         """Watch the contacts that were found to carry, as long as they shall."""

@@ -9,6 +9,7 @@ from w2c.messages import Array, RobotDescription
 from w2c_controller.parameters import GuardLimits
 from w2c_controller.safety.guards import SENSE_EVERY, Guards, joint_limits
 from w2c_controller.safety.hazards import Hazard
+from w2c_controller.safety.restraint import Restraint
 from w2c_controller.sensing.loads import Measured
 
 DT = 0.002
@@ -22,6 +23,7 @@ class Bench:
         self.joints = joint_limits(description)
         self.guards = Guards(description, self.joints, LIMITS, DT)
         self.names = [joint.name for joint in description.joints]
+        self.restraint = Restraint(self.names, self.joints, DT)
         self.noise = np.random.default_rng(0)
         self.state = standing_state(description)
 
@@ -36,6 +38,10 @@ class Bench:
 
     def ticks(self, seconds: float) -> int:
         return round(seconds / DT)
+
+    def largest_step(self, joint: int) -> float:
+        """Return what a joint may move in a tick [rad]: its range in 0.75 s."""
+        return float((self.joints.upper - self.joints.lower)[joint]) * DT / 0.75
 
     def with_value(self, array: Array, joint: int, value: float) -> Array:
         changed = array.copy()
@@ -139,23 +145,34 @@ def test_a_driver_that_takes_no_command_is_noticed(bench: Bench) -> None:
 
 
 def test_a_command_may_not_jump(bench: Bench) -> None:
-    guards, joints, before = bench.guards, bench.joints, bench.state.command
-    largest = (joints.upper - joints.lower)[2] * DT / 0.75
-    assert (
-        guards.inspect_command(bench.with_value(before, 2, before[2] + 0.99 * largest), before)
-        is None
-    )
-    hazard = guards.inspect_command(bench.with_value(before, 2, before[2] - 1.01 * largest), before)
+    restraint, before = bench.restraint, bench.state.command
+    jump = 5.0 * bench.largest_step(2)
+    faulty = bench.with_value(before, 2, before[2] - 1.01 * jump)
+    hazard = restraint.apply(faulty, before)
     assert hazard is not None
     assert hazard.cause == "command_jump"
     assert hazard.subject == bench.names[2]
-    assert hazard.limit == pytest.approx(largest)
+    assert hazard.limit == pytest.approx(jump)
+    assert restraint.apply(bench.with_value(before, 2, before[2] - 0.99 * jump), before) is None
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_command_that_is_too_fast_arrives_later(bench: Bench, sign: float) -> None:
+    largest, before = bench.largest_step(2), bench.state.command
+    wanted = bench.with_value(before, 2, before[2] + sign * 2.5 * largest)
+    sent = before
+    for share in (1.0, 2.0, 2.5, 2.5):
+        command = wanted.copy()
+        assert bench.restraint.apply(command, sent) is None
+        np.testing.assert_array_equal(np.delete(command, 2), np.delete(before, 2))
+        assert command[2] - before[2] == pytest.approx(sign * share * largest)
+        sent = command
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_a_command_must_be_finite(bench: Bench, value: float) -> None:
     before = bench.state.command
-    hazard = bench.guards.inspect_command(bench.with_value(before, 7, value), before)
+    hazard = bench.restraint.apply(bench.with_value(before, 7, value), before)
     assert hazard is not None
     assert hazard.cause == "command_not_finite"
 

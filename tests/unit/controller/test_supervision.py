@@ -123,6 +123,19 @@ def test_a_slip_is_found_within_a_fifth_of_a_second_and_stops_the_motion(
     assert leaning.retargeting.state.enabled == (True, True, False, True)
 
 
+@pytest.mark.parametrize("effector", [LEFT_FOOT, RIGHT_HAND])
+def test_only_a_slipping_foot_lets_a_hand_come_back(leaning: ContactWorld, effector: int) -> None:
+    leaning.switching.release("back", LEFT_HAND)
+    leaning.run(0.1)
+    assert leaning.switching.phase == "retreat"
+    for _ in range(round(0.2 / leaning.dt)):
+        leaning.moved[effector] += 0.05 * leaning.dt * ALONG
+        leaning.run(leaning.dt)
+    assert [finding.cause for finding in leaning.findings] == ["contact_slips"]
+    leaning.run(10.0)
+    assert leaning.told()[-1] == ("back", "released" if effector == LEFT_FOOT else "aborted")
+
+
 def test_a_foot_that_slips_far_is_not_taken_for_the_hand(leaning: ContactWorld) -> None:
     for _ in range(round(0.5 / leaning.dt)):
         leaning.moved[LEFT_FOOT] += 0.05 * leaning.dt * ALONG
