@@ -96,6 +96,8 @@ def follow_contacts(
         if k >= 2 and motion[1] > 0.5 * farthest[1]:
             # The feet, which its place is measured against, move themselves.
             moves = False
+            for i in range(3):
+                slips[1, k, i] = 0.0
         if moves and not told[SLIPS, k]:
             told[SLIPS, k] = True
             slipping = 0 if k == 1 and measured[0] < measured[1] else k
