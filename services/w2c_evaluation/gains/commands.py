@@ -32,6 +32,10 @@ GAINS: dict[str, dict[str, float | str]] = {
     "p1": {"proportional": 1.0, "damping": 0.0},
     "p1_plus": {"proportional": 1.0, "damping": 0.02},
     "p2": {"proportional": 2.0, "damping": 0.0},
+    "filter0.05": {"complementary_hz": 0.05},
+    "filter1": {"complementary_hz": 1.0},
+    "ratio0.6": {"torque_ratio": 0.6, "torque_ratio_release": 0.5},
+    "no_ratio": {"mode": "no_torque_limit"},
 }
 """Sets of gains that are compared; every value not named is the controller's own."""
 
