@@ -7,19 +7,9 @@ from typing import Annotated, Any
 import msgspec
 
 from w2c.config import parse
-from w2c_evaluation.gains.trial import Case, Outcome, run_case
+from w2c_evaluation.gains.trial import METRICS, Case, Outcome, run_case
 from w2c_evaluation.pool import run_all
 from w2c_evaluation.results import make_results, row, write_results
-
-METRICS = {
-    "push_error": "N",
-    "push_ripple": "N",
-    "knock_ripple": "N",
-    "reach_error": "N",
-    "reach_peak": "N",
-    "hold_error": "N",
-    "foot_error": "N",
-}
 
 GAINS: dict[str, dict[str, float | str]] = {
     "own": {},
@@ -91,6 +81,6 @@ def format_table(outcomes: Sequence[Outcome]) -> str:
 def _rows(outcomes: Iterable[Outcome]) -> Iterable[dict[str, Any]]:
     for o in outcomes:
         case = f"{o.case.name}.stiffness_{o.case.stiffness:g}.mass_{o.case.hand_mass:g}"
-        for metric, unit in METRICS.items():
-            yield row(case, metric, [getattr(o, metric)], unit)
+        for metric in METRICS:
+            yield row(case, metric, [getattr(o, metric)], "N")
         yield row(case, "fell", [float(o.fell)], "count")

@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from w2c.errors import ControlError
 from w2c.library import library
 from w2c.messages import EndEffector, PlaceGoal, Task
 from w2c_evaluation.closed_loop import ClosedLoop
@@ -33,6 +34,18 @@ SAMPLE_TICKS = 5
 RIGHT_HAND = 3
 UP = (0.0, 0.0, 1.0)
 BACK = (-1.0, 0.0, 0.0)
+
+
+METRICS = (
+    "push_error",
+    "push_ripple",
+    "knock_ripple",
+    "reach_error",
+    "reach_peak",
+    "hold_error",
+    "foot_error",
+)
+"""Figures of an `Outcome` [N]"""
 
 
 class Case(msgspec.Struct, frozen=True):
@@ -74,8 +87,12 @@ class Outcome(msgspec.Struct, frozen=True):
 
 
 def run_case(case: Case) -> Outcome:
-    """Run one trial and judge it."""
-    return Trial(case).run()
+    """Run one trial and judge it; one that could not be run has no figures, and says why."""
+    try:
+        return Trial(case).run()
+    except ControlError as error:  # the other trials go on
+        figures = dict.fromkeys(METRICS, float("nan"))
+        return Outcome(case=case, pushed="", reached="", fell=False, reason=str(error), **figures)
 
 
 class Trial:

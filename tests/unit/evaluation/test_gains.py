@@ -1,11 +1,15 @@
 """The comparison of gains: its table and its results."""
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from w2c_evaluation.gains import commands
+from w2c.errors import ControlError
+from w2c.library import library
+from w2c_evaluation.gains import commands, trial
 from w2c_evaluation.gains.commands import GAINS, bench, format_table
 from w2c_evaluation.gains.trial import Case, Outcome
 
@@ -56,5 +60,18 @@ def test_the_command_runs_every_combination_and_writes_it(
 
 
 def test_every_set_of_gains_is_one_of_the_controller() -> None:
-    fields = {"proportional", "damping", "complementary_hz", "mode"}
-    assert all(set(gains) <= fields for gains in GAINS.values())
+    force_control = library("controller_parameters")().force_control
+    for gains in GAINS.values():
+        replace(force_control, **gains)
+
+
+def test_a_trial_that_cannot_be_run_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_: Case) -> None:
+        raise ControlError("this posture cannot stand")
+
+    monkeypatch.setattr(trial, "Trial", refuse)
+    case = Case(name="own", gains={}, hand_mass=30.0)
+    outcome = trial.run_case(case)
+    assert outcome.reason == "this posture cannot stand"
+    assert math.isnan(outcome.push_error)
+    assert format_table([outcome]).endswith("this posture cannot stand |")
