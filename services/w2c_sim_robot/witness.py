@@ -1,0 +1,230 @@
+"""What an impartial witness of a simulation sees: surfaces behind pixels, and who touches whom.
+
+Made from the scene and from the positions that the simulator tells as truth. For judging only: no
+service of the product asks it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from w2c.errors import ConfigError
+from w2c.geometry import (
+    Intrinsics,
+    Matrix,
+    Vector,
+    apply,
+    intrinsics_from_fov,
+    inverse,
+    transform,
+)
+from w2c.messages import Array
+from w2c_sim_robot import talos
+from w2c_sim_robot.model import (
+    CAMERA_FOVY_DEG,
+    CAMERA_SIZE,
+    HEAD_CAMERA,
+    ROBOT_CONTYPE,
+    ROBOT_GROUP,
+    WORLD_GROUP,
+    build_spec,
+    ready_configuration,
+)
+from w2c_sim_robot.scenes import scene as scenes
+from w2c_sim_robot.scenes.scene import Scene, SceneObject
+
+FARTHEST = 20.0
+"""Nothing is looked for beyond [m]."""
+FLOOR = "floor"
+ROBOT = "robot"
+_FROM_MUJOCO = np.diag([1.0, -1.0, -1.0])
+"""A camera of MuJoCo looks along -z with y up, an optical frame along z with y down"""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The first visible surface behind a pixel of the head camera."""
+
+    owner: str
+    """Name of the object, `floor` (walls too) or `robot`"""
+    point: Vector
+    """(3,) in the world [m]"""
+    normal: Vector
+    """(3,) towards the camera"""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two bodies that touch, by name: links of the robot, objects, or `floor`."""
+
+    first: str
+    second: str
+    depth: float
+    """How far they overlap [m]"""
+
+
+class Witness:
+    """The model of robot and scene in the positions of one moment. Give it some with `pose`."""
+
+    def __init__(self, scene: Scene | Path) -> None:
+        """Build the model. Raises ConfigError for a bad scene file."""
+        self._scene = scenes.load(scene) if isinstance(scene, Path) else scene
+        spec = build_spec(self._scene)
+        for geom in spec.geoms:  # the simulator's robot passes through itself; this one does not
+            if geom.contype == ROBOT_CONTYPE:
+                geom.conaffinity |= ROBOT_CONTYPE
+        self._model = spec.compile()
+        self._data = mujoco.MjData(self._model)
+        model = self._model
+        robot = model.body_rootid == model.body(talos.BASE_LINK).id
+        names = [model.body(index).name for index in range(model.nbody)]
+        names[0] = FLOOR
+        self._names = names
+        self._owners = [ROBOT if own else name for own, name in zip(robot, names, strict=True)]
+        self._robot = robot
+        self._visible = np.zeros(6, np.uint8)
+        self._visible[[WORLD_GROUP, ROBOT_GROUP]] = 1  # what the head camera's pictures show
+        self._natural: dict[tuple[str, str], float] = {}
+        self.pose(ready_configuration(model))
+        self._natural = {
+            (contact.first, contact.second): contact.depth
+            for contact in self.contacts()
+            if self._is_robot(contact.first) and self._is_robot(contact.second)
+        }
+
+    @property
+    def objects(self) -> tuple[SceneObject, ...]:
+        """Return the things of the scene, as they were placed."""
+        return self._scene.objects
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Return width and height of the head camera's pictures [px]."""
+        return CAMERA_SIZE
+
+    @property
+    def intrinsics(self) -> Intrinsics:
+        """Return those of the head camera."""
+        return intrinsics_from_fov(*CAMERA_SIZE, float(np.radians(CAMERA_FOVY_DEG)))
+
+    def pose(self, generalized_position: Array) -> None:
+        """Put everything where the simulator has it.
+
+        Raises:
+            ConfigError: the simulator has another model, so another scene.
+        """
+        if generalized_position.shape != (self._model.nq,):
+            raise ConfigError(
+                f"{generalized_position.size} coordinates, this model has {self._model.nq}: the "
+                "simulator was started with another scene"
+            )
+        self._data.qpos[:] = generalized_position
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+
+    def world_from_object(self, name: str) -> Matrix:
+        """Return the (4, 4) pose of a thing; origin in the middle of its underside."""
+        self._scene.object(name)
+        body = self._data.body(name)
+        return transform(body.xmat.reshape(3, 3), body.xpos)
+
+    def world_from_camera(self) -> Matrix:
+        """Return the (4, 4) pose of the optical frame: x right, y down, z forward."""
+        camera = self._data.camera(HEAD_CAMERA)
+        return transform(camera.xmat.reshape(3, 3) @ _FROM_MUJOCO, camera.xpos)
+
+    def project(self, point: Vector) -> tuple[float, float] | None:
+        """Return the pixel of a point (3,) of the world; None where it is not in the picture."""
+        in_camera = apply(inverse(self.world_from_camera()), point)
+        if in_camera[2] < 0.05:
+            return None
+        u, v = self.intrinsics.pixel_from_point(in_camera)
+        return (u, v) if 0.0 <= u <= self.size[0] and 0.0 <= v <= self.size[1] else None
+
+    def surface(self, u: float, v: float) -> Surface | None:
+        """Return what a pixel of the head camera shows; None where it shows nothing."""
+        found = self._cast(np.array([[u, v]]))
+        index = int(found.geoms[0])
+        if index < 0:
+            return None
+        origin = self.world_from_camera()[:3, 3]
+        way = found.rays[0]
+        normal = found.normals[0]
+        return Surface(
+            self._owner(index),
+            origin + found.distances[0] * way,
+            normal if normal @ way < 0.0 else -normal,
+        )
+
+    def owners(self, pixels: Array) -> list[str]:
+        """Return what pixels (n, 2) of the head camera show: as `Surface.owner`, "" = nothing."""
+        return [self._owner(int(geom)) if geom >= 0 else "" for geom in self._cast(pixels).geoms]
+
+    def contacts(self) -> list[Contact]:
+        """Return who touches whom, deepest first; one entry a pair, the robot's link first.
+
+        The robot's shapes are convex hulls, some of which overlap in a natural posture: of two of
+        its own links only what overlaps more than when it stands ready counts, and is the depth.
+        """
+        mujoco.mj_collision(self._model, self._data)
+        deepest: dict[tuple[str, str], float] = {}
+        for (one, other), distance in zip(
+            self._model.geom_bodyid[self._data.contact.geom], self._data.contact.dist, strict=True
+        ):
+            first, second = sorted((int(one), int(other)), key=lambda b: (not self._robot[b], b))
+            pair = (self._names[first], self._names[second])
+            deepest[pair] = max(deepest.get(pair, 0.0), -float(distance))
+        found = [
+            Contact(*pair, depth - self._natural.get(pair, 0.0)) for pair, depth in deepest.items()
+        ]
+        kept = [c for c in found if c.depth > 0.0 or (c.first, c.second) not in self._natural]
+        return sorted(kept, key=lambda contact: -contact.depth)
+
+    def _is_robot(self, name: str) -> bool:
+        return bool(self._robot[self._names.index(name)])
+
+    def _owner(self, geom: int) -> str:
+        return self._owners[self._model.geom_bodyid[geom]]
+
+    def _cast(self, pixels: Array) -> _Hits:
+        """Look along the rays of pixels (n, 2)."""
+        fx, fy, cx, cy = self.intrinsics
+        world_from_camera = self.world_from_camera()
+        in_camera = np.column_stack(
+            [(pixels[:, 0] - cx) / fx, (pixels[:, 1] - cy) / fy, np.ones(len(pixels))]
+        )
+        rays = in_camera @ world_from_camera[:3, :3].T
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        count = len(rays)
+        geoms = np.full(count, -1, np.int32)
+        distances, normals = np.zeros(count), np.zeros(3 * count)
+        mujoco.mj_multiRay(
+            self._model,
+            self._data,
+            world_from_camera[:3, 3],
+            rays.ravel(),
+            self._visible,
+            True,
+            -1,
+            geoms,
+            distances,
+            normals,
+            count,
+            FARTHEST,
+        )
+        geoms[distances < 0.0] = -1
+        return _Hits(rays, geoms, distances, normals.reshape(-1, 3))
+
+
+@dataclass(frozen=True)
+class _Hits:
+    rays: npt.NDArray[np.float64]
+    geoms: npt.NDArray[np.int32]
+    distances: npt.NDArray[np.float64]
+    normals: npt.NDArray[np.float64]
