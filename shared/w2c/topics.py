@@ -139,6 +139,10 @@ TURN = Topic(
     "event", "dialogue", "turn", m.Turn, Priority.INTERACTIVE, 0.0,
     ("console", "operator", "evaluation"), drops=False,
 )  # fmt: skip
+ADVICE = Topic(
+    "state", "dialogue", "advice", m.Advice, Priority.INTERACTIVE, 0.0,
+    ("console", "operator", "evaluation"), drops=False,
+)  # fmt: skip
 MARK = Topic("event", "recorder", "mark", m.MarkRequest, Priority.DATA, 0.0, (), drops=False)
 RECORDER_STATUS = Topic(
     "state", "recorder", "status", m.RecorderStatus, Priority.DATA, 1.0, ("console", "operator")
@@ -155,7 +159,7 @@ TRUTH = Topic("truth", "robot", "physics", m.Truth, Priority.DATA, 100.0, ("came
 
 TOPICS: tuple[Topic[Any], ...] = (
     ROBOT_STATE, JOINT_COMMAND, CAMERA_FRAME, CAMERA_VIEW, CONTROLLER_STATUS, GOAL_EVENT,
-    SAFETY_EVENT, CONTROLLER_STATISTICS, CONTROLLER_SNAPSHOT, TARGET, TURN,
+    SAFETY_EVENT, CONTROLLER_STATISTICS, CONTROLLER_SNAPSHOT, TARGET, TURN, ADVICE,
     MARK, RECORDER_STATUS, PROCESS_TABLE, HEALTH, LOG, TRACE, TRUTH,
 )  # fmt: skip
 

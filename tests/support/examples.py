@@ -28,6 +28,16 @@ def all_examples() -> dict[str, m.Message]:
         phrases=["book"],
         warning="near an edge",
     )
+    remark = m.Remark(
+        kind="material",
+        level="caution",
+        text="glass: may break under my weight",
+        source="grounding",
+        value=0.6,
+        limit=0.2,
+        unit="",
+    )
+    unchecked = m.Unchecked(check="veto", reason="grounding does not answer")
     joints = [
         m.JointInfo(name=f"joint_{i}", stiffness=5000.0, effort_limit=100.0) for i in range(JOINTS)
     ]
@@ -284,6 +294,18 @@ def all_examples() -> dict[str, m.Message]:
             warning="",
         ),
         target,
+        remark,
+        unchecked,
+        m.Advice(
+            stamp_ns=1,
+            target_id="t-1",
+            frame_stamp_ns=5,
+            remarks=[remark],
+            unchecked=[unchecked],
+            pending=["reach"],
+            refusal="a person is there",
+            seconds=0.3,
+        ),
         m.SayRequest(text="yes", frame_stamp_ns=1, target_id="t-1"),
         m.ConfirmRequest(target_id="t-1"),
         m.PointRequest(u=1.0, v=2.0, frame_stamp_ns=-1, end_effector="left_hand", task="reach"),

@@ -7,6 +7,7 @@ Wrenches are force then torque, what the environment exerts on the robot. Pixels
 down).
 """
 
+from w2c.messages.advice import Advice, AdviceCheck, Remark, Unchecked
 from w2c.messages.base import (
     Array,
     CallTrace,
@@ -75,6 +76,8 @@ from w2c.messages.view import (
 )
 
 __all__ = [
+    "Advice",
+    "AdviceCheck",
     "Array",
     "Box",
     "CallTrace",
@@ -119,6 +122,7 @@ __all__ = [
     "RecordRequest",
     "RecorderStatus",
     "ReleaseGoal",
+    "Remark",
     "ResumeReply",
     "RobotDescription",
     "RobotState",
@@ -131,5 +135,6 @@ __all__ = [
     "Task",
     "Truth",
     "Turn",
+    "Unchecked",
     "check_array",
 ]
