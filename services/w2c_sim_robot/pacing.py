@@ -3,6 +3,7 @@
 import numpy as np
 
 from w2c.clock import Clock
+from w2c.percentiles import percentiles
 
 _LONGEST_BACKLOG_NS = 20_000_000
 _KEPT = 5000
@@ -19,7 +20,7 @@ class Pacer:
         self._clock = clock
         self._period_ns = period_ns
         self._deadline_ns = clock.now_ns()
-        self._lateness_ns = np.zeros(_KEPT, dtype=np.int64)
+        self._lateness_ns = np.zeros(_KEPT)
         self._count = 0
         self.gaps = 0
         """How often the loop was more than 20 ms late."""
@@ -40,12 +41,8 @@ class Pacer:
     def lateness_us(self) -> dict[str, float]:
         """Return p50, p99 and max of the last 5000 periods [us], and the number of gaps."""
         kept = self._lateness_ns[: min(self._count, _KEPT)] * 1e-3
-        if not kept.size:
-            return {"p50": 0.0, "p99": 0.0, "max": 0.0, "gaps_20ms": 0.0}
-        p50, p99 = np.percentile(kept, (50, 99))
         return {
-            "p50": float(p50),
-            "p99": float(p99),
-            "max": float(kept.max()),
+            **percentiles(kept),
+            "max": float(kept.max()) if kept.size else 0.0,
             "gaps_20ms": float(self.gaps),
         }

@@ -3,7 +3,8 @@
 from bisect import bisect_left
 
 import numpy as np
-import numpy.typing as npt
+
+from w2c.percentiles import percentiles
 
 KEPT = 2500
 """Ticks: the last five seconds."""
@@ -61,21 +62,11 @@ class Timing:
         """Return p50, p99, max and the number of gaps."""
         kept = self._lateness[: min(self.ticks, KEPT)]
         return {
-            **_percentiles(kept),
+            **percentiles(kept),
             "max": float(kept.max()) if kept.size else 0.0,
             "gaps_20ms": float(self.gaps),
         }
 
     def tick_us(self) -> dict[str, float]:
         """Return p50 and p99 of the time a tick takes."""
-        return _percentiles(self._duration[: min(self.ticks, KEPT)])
-
-
-def _percentiles(kept: npt.NDArray[np.float64]) -> dict[str, float]:
-    if not kept.size:
-        return {"p50": 0.0, "p99": 0.0}
-    # By hand: numpy's own interpolates in four times the time, and its many small allocations
-    # take thousands of ticks to come to rest.
-    middle, high = (kept.size - 1) // 2, (99 * (kept.size - 1)) // 100
-    parted = np.partition(kept, (middle, high))
-    return {"p50": float(parted[middle]), "p99": float(parted[high])}
+        return percentiles(self._duration[: min(self.ticks, KEPT)])
