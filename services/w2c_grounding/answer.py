@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from w2c import messages as m
+from w2c_grounding.card import ModelCard
 from w2c_grounding.evidence import Finding, PointRule, find, thumbnail
 from w2c_grounding.family import Evidence, Family
 from w2c_grounding.picture import decode
-from w2c_grounding.registry import ModelCard
 from w2c_grounding.wording import normalised, unknown_words
 
 _REMEMBERED_PICTURES = 4

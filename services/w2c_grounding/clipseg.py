@@ -17,7 +17,7 @@ from transformers.utils import logging as transformers_logging
 from w2c.errors import ConfigError, ModelError
 from w2c_grounding.evidence import heatmap_from_logits
 from w2c_grounding.family import Evidence, RgbImage
-from w2c_grounding.registry import Dtype, ModelConfig
+from w2c_grounding.model_config import Dtype, ModelConfig
 from w2c_grounding.wording import fill
 
 _DTYPES: dict[Dtype, torch.dtype] = {

@@ -15,7 +15,7 @@ from w2c.messages import CaptureRequest, GroundingReply, GroundingRequest, Phras
 from w2c.system import Connection, service_config
 
 if TYPE_CHECKING:
-    from w2c_grounding.registry import ModelConfig
+    from w2c_grounding.model_config import ModelConfig
 
 
 class GroundConfig(Connection, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -46,7 +46,7 @@ class GroundConfig(Connection, frozen=True, kw_only=True, forbid_unknown_fields=
 
     def model_config(self) -> "ModelConfig":
         """Return the part that chooses the model."""
-        from w2c_grounding.registry import ModelConfig
+        from w2c_grounding.model_config import ModelConfig
 
         return ModelConfig(
             model=self.model, device=self.device, threads=self.threads, threshold=self.threshold

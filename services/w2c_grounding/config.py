@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from w2c.config import ServiceConfig
-from w2c_grounding.registry import Dtype, ModelConfig
+from w2c_grounding.model_config import Dtype, ModelConfig
 
 
 class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,61 +1,18 @@
-"""Which model to load, from where, and how its answers are to be read.
-
-A checkpoint directory of this project carries `grounding.json` beside the weights: the phrase
-template, the calibrated threshold and the vocabulary. A public checkpoint has none; then the
-defaults below hold, and the configuration may set its own.
-"""
+"""Which model to load, and from where; the configuration may set its own threshold and template."""
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import msgspec
 
 from w2c.errors import ConfigError, ModelError
+from w2c_grounding.card import ModelCard, read_card
 from w2c_grounding.family import Family
+from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.wording import check_template
 
-Dtype = Literal["float32", "bfloat16", "float16"]
-
 EMBEDDED = Path(__file__).parent / "embedded"
-CARD_FILE = "grounding.json"
-
-# What the authors' demo of CLIPSeg leads to expect; uncalibrated. Set --threshold for a public
-# checkpoint.
-DEFAULT_THRESHOLD = 0.4
-DEFAULT_TEMPLATE = "{}"
-
-
-class ModelConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One row of the registry: everything that decides what a model answers."""
-
-    family: str = "clipseg"
-    """One of `FAMILIES`"""
-    model: str = ""
-    """Checkpoint directory, or id on the Hugging Face hub; empty = the embedded model"""
-    revision: str = ""
-    """Commit or tag of a hub id; empty = the newest that is present"""
-    allow_download: bool = False
-    """True: a hub id that is not on this machine is fetched. False: only local files are read"""
-    dtype: Dtype = "float32"
-    device: str = "cpu"
-    """cpu, cuda, cuda:1 ..."""
-    threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
-    """CPU threads of one answer"""
-    threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] | None = None
-    """A phrase whose peak is below it is not in the picture; None = the checkpoint's own"""
-    template: str | None = None
-    """Text around a phrase, as in 'a photo of a {}'; None = the checkpoint's own"""
-
-
-class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """`grounding.json` of a checkpoint: how it was trained to be asked, and how to read it."""
-
-    name: Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
-    template: str = DEFAULT_TEMPLATE
-    threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = DEFAULT_THRESHOLD
-    vocabulary: list[str] | None = None
-    """Words of the training phrases that named something; None = not known"""
 
 
 def _load_clipseg(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
@@ -128,26 +85,3 @@ def check_directory(directory: Path) -> Path:
             "Copy the whole directory, or make one with: w2c train grounding"
         )
     return directory
-
-
-def read_card(directory: Path | None, fallback_name: str) -> ModelCard:
-    """Return the card of a checkpoint directory, or the defaults where it has none.
-
-    Raises:
-        ModelError: the card is malformed.
-    """
-    path = None if directory is None else directory / CARD_FILE
-    if path is None or not path.is_file():
-        return ModelCard(name=fallback_name[-100:])
-    try:
-        card = msgspec.json.decode(path.read_bytes(), type=ModelCard)
-        check_template(card.template)
-    except (OSError, msgspec.DecodeError, UnicodeDecodeError, ConfigError) as error:
-        raise ModelError(f"model card {path}: {error}") from error
-    return card
-
-
-def write_card(card: ModelCard, directory: Path) -> None:
-    """Write the card of a checkpoint directory."""
-    encoded = msgspec.json.format(msgspec.json.encode(card), indent=1)
-    (directory / CARD_FILE).write_bytes(encoded + b"\n")

@@ -10,7 +10,9 @@ import msgspec
 from w2c.config import parse
 from w2c.errors import ConfigError
 from w2c.extras import needs_extra
-from w2c_grounding.registry import ModelCard, ModelConfig, load, write_card
+from w2c_grounding.card import ModelCard, write_card
+from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.registry import load
 
 
 class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -7,7 +7,7 @@ from typing import Any
 
 import torch
 
-from w2c_grounding.registry import ModelCard, write_card
+from w2c_grounding.card import ModelCard, write_card
 from w2c_grounding.train.tokens import make_tokenizer
 
 # Of the ImageNet pictures, as all CLIPSeg checkpoints have them.

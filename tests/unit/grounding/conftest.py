@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import torch
 
-from w2c_grounding.registry import ModelCard
+from w2c_grounding.card import ModelCard
 from w2c_grounding.train.model import Size, new_model, new_processor, save
 
 TINY = Size(

@@ -10,7 +10,7 @@ from fakes.vision import FakeFamily
 from w2c.errors import RefusedError
 from w2c.messages import GroundingReply, GroundingRequest
 from w2c_grounding.answer import Grounder
-from w2c_grounding.registry import ModelCard
+from w2c_grounding.card import ModelCard
 
 CARD = ModelCard(name="fake", threshold=0.5, vocabulary=["red", "blue", "square"])
 

@@ -10,7 +10,7 @@ from transformers import CLIPSegForImageSegmentation, CLIPSegProcessor
 
 from w2c_grounding.clipseg import ClipSeg
 from w2c_grounding.evidence import heatmap_from_logits
-from w2c_grounding.registry import ModelConfig
+from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.train.tokens import learn_merges, make_vocabulary
 
 PHRASES = ["book", "the red cup", "a blue elephant on the book"]

@@ -8,7 +8,8 @@ import pytest
 
 from w2c.messages import GroundingReply, GroundingRequest
 from w2c_grounding.answer import Grounder
-from w2c_grounding.registry import EMBEDDED, ModelConfig, load
+from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.registry import EMBEDDED, load
 
 DATA = Path(__file__).parents[2] / "data" / "grounding"
 PICTURES: list[dict[str, Any]] = json.loads((DATA / "pictures.json").read_text())

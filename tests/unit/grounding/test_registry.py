@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 from w2c.errors import ConfigError, ModelError
-from w2c_grounding.registry import CARD_FILE, ModelConfig, load, read_card, resolve
+from w2c_grounding.card import CARD_FILE, read_card
+from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.registry import load, resolve
 
 
 def test_the_card_of_a_checkpoint_says_how_to_read_it(tiny_checkpoint: Path) -> None:

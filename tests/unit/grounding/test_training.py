@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from fakes.rendered import write_pictures
 from w2c.errors import ConfigError
-from w2c_grounding.registry import ModelConfig, load
+from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.registry import load
 from w2c_grounding.train.augment import normalise, vary
 from w2c_grounding.train.commands import train
 from w2c_grounding.train.data import load_pictures

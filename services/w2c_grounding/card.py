@@ -1,0 +1,53 @@
+"""`grounding.json` beside the weights of a checkpoint: how it was trained to be asked.
+
+A checkpoint directory of this project carries the phrase template, the calibrated threshold and the
+vocabulary. A public checkpoint has none; then the defaults below hold.
+"""
+
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+
+from w2c.errors import ConfigError, ModelError
+from w2c_grounding.wording import check_template
+
+CARD_FILE = "grounding.json"
+
+# What the authors' demo of CLIPSeg leads to expect; uncalibrated. Set --threshold for a public
+# checkpoint.
+DEFAULT_THRESHOLD = 0.4
+DEFAULT_TEMPLATE = "{}"
+
+
+class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How to ask a checkpoint, and how to read its answers."""
+
+    name: Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
+    template: str = DEFAULT_TEMPLATE
+    threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = DEFAULT_THRESHOLD
+    vocabulary: list[str] | None = None
+    """Words of the training phrases that named something; None = not known"""
+
+
+def read_card(directory: Path | None, fallback_name: str) -> ModelCard:
+    """Return the card of a checkpoint directory, or the defaults where it has none.
+
+    Raises:
+        ModelError: the card is malformed.
+    """
+    path = None if directory is None else directory / CARD_FILE
+    if path is None or not path.is_file():
+        return ModelCard(name=fallback_name[-100:])
+    try:
+        card = msgspec.json.decode(path.read_bytes(), type=ModelCard)
+        check_template(card.template)
+    except (OSError, msgspec.DecodeError, UnicodeDecodeError, ConfigError) as error:
+        raise ModelError(f"model card {path}: {error}") from error
+    return card
+
+
+def write_card(card: ModelCard, directory: Path) -> None:
+    """Write the card of a checkpoint directory."""
+    encoded = msgspec.json.format(msgspec.json.encode(card), indent=1)
+    (directory / CARD_FILE).write_bytes(encoded + b"\n")
