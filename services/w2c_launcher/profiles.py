@@ -35,6 +35,8 @@ class Options:
     config: str = ""
     extra_flags: dict[str, tuple[str, ...]] = field(default_factory=dict)
     """Service -> more flags, e.g. an own model for llm"""
+    without: tuple[str, ...] = ()
+    """Services that are not started"""
 
 
 def _connection(options: Options) -> tuple[str, ...]:
@@ -86,10 +88,17 @@ PROFILES = {
 
 
 def processes(profile: str, options: Options) -> list[ProcessSpec]:
-    """Return the processes of a profile. Raises ConfigError for an unknown one."""
+    """Return the processes of a profile. Raises ConfigError for an unknown profile or service."""
     if profile not in PROFILES:
         raise ConfigError(f"no profile '{profile}'; choose one of: {', '.join(PROFILES)}")
     specs = PROFILES[profile](options)
+    names = [spec.name for spec in specs]
+    unknown = [name for name in options.without if name not in names]
+    if unknown:
+        raise ConfigError(
+            f"--without {unknown[0]}: profile '{profile}' does not start that; it starts: "
+            f"{', '.join(names)}"
+        )
     return [
         ProcessSpec(
             spec.name,
@@ -99,4 +108,5 @@ def processes(profile: str, options: Options) -> list[ProcessSpec]:
             spec.joins_bus,
         )
         for spec in specs
+        if spec.name not in options.without
     ]

@@ -52,6 +52,8 @@ class UpConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """TOML file with a table a service, for all settings that are not flags here."""
     with_flags: tuple[str, ...] = ()
     """More flags for one service, e.g. --with-flags "llm:--model my.gguf"."""
+    without: tuple[str, ...] = ()
+    """Services that are not started: something else answers for them, or nobody."""
     detach: bool = False
     """Return as soon as everything is ready, and leave it running."""
 
@@ -75,6 +77,7 @@ def options_of(config: UpConfig, run_directory: Path) -> Options:
         seed=config.seed,
         config=str(Path(config.services).resolve()) if config.services else "",
         extra_flags=extra,
+        without=config.without,
     )
 
 

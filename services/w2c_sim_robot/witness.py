@@ -94,8 +94,26 @@ class Witness:
         self._natural = {
             (contact.first, contact.second): contact.depth
             for contact in self.contacts()
-            if self._is_robot(contact.first) and self._is_robot(contact.second)
+            if contact.second in self.links
         }
+
+    @property
+    def effectors(self) -> dict[str, int]:
+        """Return the links of feet and hands, and which they belong to: feet first, left first."""
+        links = (*talos.SOLE_FRAMES, talos.WRIST_SENSOR_LINK, talos.HAND_FRAMES[1])
+        found: dict[str, int] = {}
+        for effector, link in enumerate(links):
+            members = {self._model.body(link).id}
+            for body in range(self._model.nbody):  # parents come before children in MuJoCo
+                if int(self._model.body_parentid[body]) in members:
+                    members.add(body)
+            found |= {self._names[body]: effector for body in members}
+        return found
+
+    @property
+    def links(self) -> frozenset[str]:
+        """Return the links of the robot."""
+        return frozenset(name for name, own in zip(self._names, self._robot, strict=True) if own)
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
@@ -186,11 +204,8 @@ class Witness:
         kept = [c for c in found if c.depth > 0.0 or (c.first, c.second) not in self._natural]
         return sorted(kept, key=lambda contact: -contact.depth)
 
-    def _is_robot(self, name: str) -> bool:
-        return bool(self._robot[self._names.index(name)])
-
     def _owner(self, geom: int) -> str:
-        return self._owners[self._model.geom_bodyid[geom]]
+        return self._owners[int(self._model.geom_bodyid[geom])]
 
     def _cast(self, pixels: Array) -> _Hits:
         """Look along the rays of pixels (n, 2)."""

@@ -14,14 +14,14 @@ GROUPS = {
     "operator": ("say", "confirm", "place", "release", "stop", "resume"),
     "look": ("ground", "lift"),
     "recordings": ("record", "recording"),
-    "measure and train": ("bench", "train", "scenes"),
+    "measure and train": ("bench", "evaluate", "train", "scenes"),
     "one service": (
         "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder",
         "console",
     ),
 }  # fmt: skip
 
-SUBVERBS = ("bench", "train")
+SUBVERBS = ("bench", "evaluate", "train")
 """`w2c bench NAME`: the names are entry points of the group `w2c.bench`."""
 
 

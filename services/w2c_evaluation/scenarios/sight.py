@@ -84,6 +84,6 @@ def draw_circle(
     return Circle(
         intrinsics.pixel_from_point(in_camera),
         # A surface seen edge-on has no inverse: then only ACCEPTED_PX counts.
-        np.linalg.inv(jacobian @ across + 1e-6 * np.eye(2)),
+        np.asarray(np.linalg.inv(jacobian @ across + 1e-6 * np.eye(2)), np.float64),
         0.01 * intrinsics.fx / float(z),
     )

@@ -65,3 +65,14 @@ def test_flags_without_a_service_are_refused() -> None:
 def test_private_systems_get_ports_of_their_own() -> None:
     first = options_of(UpConfig(private=True), Path("/tmp/run"))
     assert first.router not in {UpConfig().router, first.robot_endpoint}
+
+
+def test_a_service_that_something_else_stands_in_for_is_not_started() -> None:
+    names = {spec.name for spec in processes("simulation", options(without=("grounding",)))}
+    assert "llm" in names
+    assert "grounding" not in names
+
+
+def test_a_service_that_is_not_started_anyway_cannot_be_left_out() -> None:
+    with pytest.raises(ConfigError, match=r"--without grownding: .*router"):
+        processes("robot", options(without=("grownding",)))

@@ -1,0 +1,276 @@
+"""Plays a scenario as a person would: speaks, looks at the point, corrects, confirms, watches.
+
+What is said comes from the scripted operator, who sees the picture; what is written down beside it
+comes from the truth about that picture.
+"""
+
+import time
+
+import numpy as np
+
+from w2c import topics
+from w2c.bus import Bus
+from w2c.errors import CallError
+from w2c.messages import (
+    Box,
+    CameraFrame,
+    ConfirmRequest,
+    GoalEvent,
+    PictureRequest,
+    SayRequest,
+    Target,
+    Turn,
+)
+from w2c_evaluation.demo.operator import FINAL_STATES, ScenarioError
+from w2c_evaluation.scenarios.eyewitness import TruthLog, Wanted, circle_of, find_place
+from w2c_evaluation.scenarios.film import Film
+from w2c_evaluation.scenarios.phrase_book import PhraseBook
+from w2c_evaluation.scenarios.record import Motion, Played, PromptRun, Understood
+from w2c_evaluation.scenarios.scenario import Prompt, Scenario
+from w2c_evaluation.scenarios.scripted_words import ScriptedWords
+from w2c_evaluation.scenarios.sight import Pixel, Sight
+from w2c_evaluation.scenarios.speaker import GiveUp, Speaker, Yes
+from w2c_evaluation.scenarios.true_boxes import see
+from w2c_evaluation.scenarios.wording import Saying
+
+STAND_PATIENCE_S = 180.0
+MOTION_PATIENCE_S = 300.0
+"""Wall time: a lock step on a busy machine takes five times as long as the motion"""
+SETTLE_S = {"contact": 1.5, "reach": 3.0}
+"""Robot time that is watched after the end was reported [s]"""
+KEPT_FRAMES = 40
+
+
+class Conversation:
+    """One run with one system."""
+
+    def __init__(
+        self,
+        bus: Bus,
+        log: TruthLog,
+        book: PhraseBook,
+        film: Film,
+        *,
+        rng: np.random.Generator,
+        words: ScriptedWords | None = None,
+    ) -> None:
+        """Begin to listen.
+
+        Args:
+            bus: Of the evaluation.
+            log: Of what is true.
+            book: Which objects phrases mean.
+            film: Takes the pictures.
+            rng: Draws places and the operator's words.
+            words: Stand-in to be told what is said; None = the embedded model listens.
+        """
+        self._bus = bus
+        self._log = log
+        self._book = book
+        self._film = film
+        self._rng = rng
+        self._words = words
+        self._events = bus.queue(topics.GOAL_EVENT)
+        self._status = bus.latest(topics.CONTROLLER_STATUS)
+        self._views = bus.latest(topics.CAMERA_VIEW)
+        self._frames = bus.queue(topics.CAMERA_FRAME, size=KEPT_FRAMES)
+        self._pictures: dict[int, CameraFrame] = {}
+        self.played = Played()
+
+    def play(self, scenario: Scenario) -> None:
+        """Play it as far as it goes. Raises ScenarioError where the system does not answer."""
+        self._wait_until_it_stands()
+        for prompt in scenario.prompts:
+            run = PromptRun()
+            self.played.prompts.append(run)
+            self._perform(prompt, run)
+            end = "loaded" if prompt.meaning.task == "contact" else "reached"
+            if run.motion is None or run.motion.state != end:
+                return
+
+    def _wait_until_it_stands(self) -> None:
+        deadline = time.monotonic() + STAND_PATIENCE_S
+        while time.monotonic() < deadline:
+            status = self._status.wait(0.5)
+            if status is not None and status.message.phase == "hold" and self._views.last():
+                return
+        raise ScenarioError("the robot does not stand, or the camera gives no picture")
+
+    def _perform(self, prompt: Prompt, run: PromptRun) -> None:
+        """Say a prompt, bring its point to the place, confirm it, and watch what comes of it."""
+        place = prompt.place.drawn(self._rng)
+        with self._log.moment(self._newest_frame().stamp_ns) as witness:
+            run.wanted = find_place(witness, place)
+        if run.wanted is None:
+            run.problem = f"the place ({place.description}) is hidden"
+            return
+        speaker = Speaker(self._rng)
+        target = self._say(prompt, run, None)
+        while target is not None:
+            sight = self._look(target, run.wanted)
+            self._film.show(self._picture_of(target).jpeg, target, sight.wanted, run.turns[-1].text)
+            answer = speaker.answer(sight)
+            if isinstance(answer, GiveUp):
+                run.problem = answer.reason
+                return
+            shown = self._say(answer, run, target)
+            if isinstance(answer, Yes):
+                if run.motion is None and (shown is None or shown.target_id == target.target_id):
+                    self._press_confirm(target, run)
+                if run.motion is not None or run.problem:
+                    break
+            target = shown if shown is not None else target
+        if run.motion is None:
+            run.problem = run.problem or f"no target: {run.turns[-1].reply}"
+            return
+        self._follow(run.motion)
+        self._film.take(self._outside(), prompt.text)
+
+    def _say(
+        self, said: Prompt | Saying | Yes, run: PromptRun, target: Target | None
+    ) -> Target | None:
+        """Say something; returns the target that is shown then, None where none is proposed."""
+        if self._words is not None:
+            self._words.expect(said)
+        # Who corrects or confirms looks at the picture that the target is shown in.
+        stamp_ns = self._newest_frame().stamp_ns
+        request = SayRequest(
+            text=said.text,
+            frame_stamp_ns=stamp_ns,
+            target_id="" if target is None else target.target_id,
+        )
+        turn = self._bus.call(topics.SAY, request).message
+        kind = {Prompt: "prompt", Saying: "correction", Yes: "yes"}[type(said)]
+        meant = (said.du, said.dv) if isinstance(said, Saying) else None
+        self._note(turn, kind, run, target, meant)
+        return turn.target
+
+    def _press_confirm(self, target: Target, run: PromptRun) -> None:
+        """Press the button of the page, as who is not understood does."""
+        last = run.turns[-1]
+        if last.module == "confirmation":  # it was understood, and refused
+            run.problem = f"not gone to: {last.reply}"
+            return
+        request = ConfirmRequest(target_id=target.target_id)
+        turn = self._bus.call(topics.CONFIRM, request).message
+        self._note(turn, "button", run, target, None)
+        if run.motion is None:
+            run.problem = f"not gone to: {turn.reply}"
+
+    def _note(
+        self,
+        turn: Turn,
+        kind: str,
+        run: PromptRun,
+        before: Target | None,
+        meant: Pixel | None,
+    ) -> None:
+        """Write a turn down beside what is true in its picture."""
+        target = turn.target
+        owner, true_point = "", None
+        true_boxes: list[tuple[float, float, float, float] | None] = []
+        if target is not None:
+            with self._log.moment(target.frame_stamp_ns) as witness:
+                surface = witness.surface(target.u, target.v)
+                if surface is not None:
+                    x, y, z = surface.point.tolist()
+                    owner, true_point = surface.owner, (x, y, z)
+                if kind == "prompt":
+                    for phrase in target.phrases:
+                        names = self._book.find(phrase)
+                        seen = see(witness, names[0]) if names else None
+                        true_boxes.append(None if seen is None else _edges(seen.box()))
+        point = None
+        if target is not None and target.point is not None:
+            x, y, z = target.point.tolist()
+            point = (x, y, z)
+        run.turns.append(
+            Understood(
+                text=turn.text,
+                kind=kind,  # type: ignore[arg-type]
+                module=turn.module,
+                ok=turn.ok,
+                reply=turn.reply,
+                seconds=turn.seconds,
+                pixel=None if target is None else (target.u, target.v),
+                before=None if before is None else (before.u, before.v),
+                meant=meant,
+                phrases=() if target is None else tuple(target.phrases),
+                boxes=() if target is None else tuple(_edges(box) for box in target.boxes),
+                true_boxes=tuple(true_boxes),
+                point=point,
+                true_point=true_point,
+                true_owner=owner,
+                effector=turn.end_effector,
+                task=turn.task,
+                goal_id=turn.goal_id,
+            )
+        )
+        if turn.goal_id:
+            run.motion = Motion(
+                turn.goal_id,
+                turn.end_effector,  # type: ignore[arg-type]
+                turn.task,  # type: ignore[arg-type]
+                confirmed_ns=self._log.newest_ns,
+            )
+
+    def _look(self, target: Target, wanted: Wanted) -> Sight:
+        """Return what the operator sees of the target and of the place in the target's picture."""
+        with self._log.moment(target.frame_stamp_ns) as witness:
+            return Sight((target.u, target.v), circle_of(witness, wanted))
+
+    def _follow(self, motion: Motion) -> None:
+        """Wait for the end of a motion, then until it has settled."""
+        deadline = time.monotonic() + MOTION_PATIENCE_S
+        while (remaining := deadline - time.monotonic()) > 0 and not motion.state:
+            received = self._events.receive(min(remaining, 0.5))
+            if received is not None:
+                self._heed(received.message, motion)
+        if not motion.state:
+            motion.state = "unfinished"
+            motion.reason = f"no end within {MOTION_PATIENCE_S:.0f} s"
+            motion.ended_ns = motion.settled_ns = self._log.newest_ns
+            return
+        settled_ns = motion.ended_ns + round(SETTLE_S[motion.task] * 1e9)
+        if not self._log.wait_for(settled_ns, MOTION_PATIENCE_S):
+            raise ScenarioError("the simulator stopped telling the truth: is it still running?")
+        motion.settled_ns = settled_ns
+        while (received := self._events.receive(0.0)) is not None:
+            self._heed(received.message, motion)
+
+    def _heed(self, event: GoalEvent, motion: Motion) -> None:
+        if event.goal_id not in self.played.goal_ids:
+            self.played.goal_ids.append(event.goal_id)
+        if event.goal_id == motion.goal_id and event.state in FINAL_STATES:
+            # What ends a hold of a support later (lost, overloaded) ends the run as well.
+            motion.state, motion.reason = event.state, event.reason
+            if motion.ended_ns < 0:
+                motion.ended_ns = event.stamp_ns
+
+    def _newest_frame(self) -> CameraFrame:
+        deadline = time.monotonic() + STAND_PATIENCE_S
+        while time.monotonic() < deadline:
+            wait_s = 0.0 if self._pictures else 0.5
+            received = self._frames.receive(wait_s)
+            if received is not None:
+                self._pictures[received.message.stamp_ns] = received.message
+                while len(self._pictures) > KEPT_FRAMES:
+                    del self._pictures[min(self._pictures)]
+            elif self._pictures:
+                return self._pictures[max(self._pictures)]
+        raise ScenarioError("the camera gives no picture")
+
+    def _picture_of(self, target: Target) -> CameraFrame:
+        newest = self._newest_frame()
+        return self._pictures.get(target.frame_stamp_ns, newest)
+
+    def _outside(self) -> bytes:
+        """Return a picture of the robot from its side; b"" where none comes."""
+        try:
+            return self._bus.call(topics.PICTURE, PictureRequest(view="side")).message.jpeg
+        except CallError:
+            return b""
+
+
+def _edges(box: Box) -> tuple[float, float, float, float]:
+    return box.left, box.top, box.right, box.bottom

@@ -1,0 +1,144 @@
+"""One run: a layout, a private system in lock step, the conversation, the verdict."""
+
+import logging
+import shutil
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from w2c import topics
+from w2c.bus import Bus
+from w2c.bus.zenoh_bus import connect
+from w2c.config import ServiceConfig
+from w2c.errors import W2CError
+from w2c.library import library
+from w2c.messages import Empty
+from w2c.system import SystemFile
+from w2c_evaluation.demo.system import running_system
+from w2c_evaluation.scenarios.cause import find_cause
+from w2c_evaluation.scenarios.conversation import Conversation
+from w2c_evaluation.scenarios.eyewitness import TruthLog
+from w2c_evaluation.scenarios.film import Film
+from w2c_evaluation.scenarios.judge import REACHED_M, Robot, Verdict, judge
+from w2c_evaluation.scenarios.phrase_book import PhraseBook
+from w2c_evaluation.scenarios.record import Boxes, Played, PromptRun, RunResult, Words
+from w2c_evaluation.scenarios.scenario import Scenario
+from w2c_evaluation.scenarios.scripted_words import ScriptedWords
+from w2c_evaluation.scenarios.true_boxes import TrueGrounding
+
+log = logging.getLogger("w2c.scenarios")
+
+RECORDING = "session.mcap"
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How to run."""
+
+    directory: Path
+    """Of this run"""
+    boxes: Boxes
+    words: Words
+    keep: bool
+    """Keep recordings of successes too"""
+
+
+def run_scenario(scenario: Scenario, seed: int, options: RunOptions) -> RunResult:
+    """Play a scenario once and judge it. A failure is a result, not an error."""
+    start = time.monotonic()
+    shutil.rmtree(options.directory, ignore_errors=True)
+    options.directory.mkdir(parents=True)
+    played, verdict = Played(), None
+    try:
+        scene = options.directory / "scene.json"
+        log.info("scenario %s, seed %d: %s", scenario.name, seed, scenario.draw_layout(seed, scene))
+        played, verdict = _play(scenario, seed, scene, options)
+    except W2CError as error:
+        played.system_problem = str(error)
+    result = conclude(scenario, seed, played, verdict)
+    recording = options.directory / RECORDING
+    if result.succeeded and not options.keep:
+        recording.unlink(missing_ok=True)
+    return RunResult(
+        **{name: getattr(result, name) for name in RunResult.__struct_fields__}
+        | {
+            "recording": str(recording) if recording.exists() else "",
+            "images": str(options.directory / "pictures"),
+            "seconds": time.monotonic() - start,
+        }
+    )
+
+
+def conclude(scenario: Scenario, seed: int, played: Played, verdict: Verdict | None) -> RunResult:
+    """Return the result of what was played; without a verdict the system failed."""
+    problems = () if verdict is None else verdict.problems
+    if played.system_problem:
+        problems = (played.system_problem, *problems)
+    succeeded = verdict is not None and not problems
+    return RunResult(
+        scenario=scenario.name,
+        seed=seed,
+        succeeded=succeeded,
+        fell=verdict is not None and verdict.fell,
+        unconfirmed_motions=0 if verdict is None else verdict.unconfirmed_motions,
+        problems=problems,
+        cause="" if succeeded else _cause(scenario, played, verdict),
+        corrections=tuple(run.corrections for run in played.prompts),
+        place_errors_mm=_millimetres(() if verdict is None else verdict.place_errors_m),
+        hand_errors_mm=_millimetres(() if verdict is None else verdict.hand_errors_m),
+        support_force_n=() if verdict is None else verdict.support_n,
+        turns=tuple(tuple(run.turns) for run in played.prompts),
+    )
+
+
+def _cause(scenario: Scenario, played: Played, verdict: Verdict | None) -> str:
+    """Return the cause of the first prompt that failed; what all of the robot did is control."""
+    if verdict is None or played.system_problem:
+        return "system"
+    failed = [index for index, texts in enumerate(verdict.prompt_problems) if texts]
+    # A fall or a hit in a run whose prompts went well is the controller's.
+    index = failed[0] if failed else len(scenario.prompts) - 1
+    run = played.prompts[index] if index < len(played.prompts) else PromptRun()
+    right_place = verdict.place_errors_m[index] <= REACHED_M
+    return find_cause(scenario.prompts[index], run, right_place=right_place)
+
+
+def _play(
+    scenario: Scenario, seed: int, scene: Path, options: RunOptions
+) -> tuple[Played, Verdict]:
+    witness = library("witness")(scene)
+    objects = {item.name: item.phrases() for item in witness.objects}
+    book = PhraseBook(objects, scenario.phrases())
+    flags = ["--lock-step", "--scene", str(scene), "--seed", str(seed), "--without", "console"]
+    flags += ["grounding"] if options.boxes == "truth" else []
+    flags += ["llm"] if options.words == "scripted" else []
+    with ExitStack() as stack:
+        system = stack.enter_context(running_system(options.directory, flags, quiet=True))
+        bus = _connect(stack, system, "evaluation")
+        truth = stack.enter_context(TruthLog(bus, witness))
+        words = ScriptedWords(_connect(stack, system, "llm")) if options.words != "model" else None
+        if options.boxes == "truth":
+            TrueGrounding(_connect(stack, system, "grounding"), truth, book)
+        description = bus.call(topics.DESCRIBE, Empty(), timeout_s=20.0).message
+        film = Film(options.directory / "pictures")
+        rng = np.random.default_rng([seed, ord(scenario.name[0])])
+        conversation = Conversation(bus, truth, book, film, rng=rng, words=words)
+        try:
+            conversation.play(scenario)
+        except W2CError as error:
+            conversation.played.system_problem = str(error)
+        robot = Robot(witness.links, witness.effectors, description.hand_radius)
+        return conversation.played, judge(scenario, conversation.played, truth.samples, robot)
+
+
+def _connect(stack: ExitStack, system: SystemFile, service: str) -> Bus:
+    config = ServiceConfig(robot=system.robot, router=system.router)
+    return stack.enter_context(connect(config, service, [system.router]))
+
+
+def _millimetres(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Return lengths that are known [mm]."""
+    return tuple(round(1e3 * value, 1) for value in values if np.isfinite(value))
