@@ -32,7 +32,7 @@ from w2c_sim_robot.model import build_model
 from w2c_sim_robot.pacing import Pacer
 from w2c_sim_robot.perturbation import Perturbation
 from w2c_sim_robot.physics import Simulator
-from w2c_sim_robot.sensing import Noise
+from w2c_sim_robot.sensor_errors import typical
 from w2c_sim_robot.urdf import joint_limits
 from w2c_sim_robot.watchdog import Watchdog
 
@@ -191,8 +191,8 @@ def _make_simulator(config: RobotConfig, description: RobotDescription) -> Simul
     return Simulator(
         build_model(scene, perturbation, visuals=False),
         description,
-        noise=Noise.typical(config.noise),
-        seed=config.seed,
+        sensors=typical(config.noise),
+        generator=np.random.default_rng(config.seed),
     )
 
 

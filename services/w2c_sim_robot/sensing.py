@@ -1,59 +1,133 @@
-"""What the simulated robot's sensors read, and who touches what, from MuJoCo's state."""
+"""What ideal sensors of the simulated robot read, from MuJoCo's state.
 
-from dataclasses import dataclass
+Read 500 times a second: one gathering of all that is needed, and plain numbers where vectors are
+three long, because numpy's overhead would be four times the arithmetic.
+"""
+
+from collections.abc import Iterable, Sequence
 
 import mujoco
 import numpy as np
 
-from w2c.errors import ConfigError
 from w2c.messages import Array
 from w2c_sim_robot import talos
 
-Numbers = list[float]
+WRENCH_FRAMES = (*talos.SOLE_FRAMES, talos.HAND_FRAMES[0])
+_LINKS = (*talos.SOLE_FRAMES, talos.WRIST_SENSOR_LINK)
+_NAMES = ("left_sole", "right_sole", "left_wrist")
 
-_WORLD, _BODY = -1, -2  # beside the indices of the four end effectors
+
+class Channels:
+    """Where each sensor's values are in the vector of all readings."""
+
+    def __init__(self, joints: int) -> None:
+        n = joints
+        self.position = slice(0, n)
+        self.velocity = slice(n, 2 * n)
+        self.torque = slice(2 * n, 3 * n)
+        self.orientation = slice(3 * n, 3 * n + 4)
+        """xyzw"""
+        self.angular_velocity = slice(3 * n + 4, 3 * n + 7)
+        self.acceleration = slice(3 * n + 7, 3 * n + 10)
+        self.wrenches = slice(3 * n + 10, 3 * n + 28)
+        """Left sole, right sole, left wrist: force, then torque"""
+        self.width = 3 * n + 28
 
 
-@dataclass(frozen=True)
-class Noise:
-    """Standard deviations of what is added to each reading; zero = ideal sensors."""
+class IdealSensors:
+    """Reads every sensor of the robot into one vector; see `Channels`."""
 
-    position: float = 0.0
-    """[rad]"""
-    velocity: float = 0.0
-    """[rad/s]"""
-    torque: float = 0.0
-    """[Nm]"""
-    force: float = 0.0
-    """[N]"""
-    moment: float = 0.0
-    """Of the force-torque sensors [Nm]"""
-    angular_velocity: float = 0.0
-    """[rad/s]"""
-    acceleration: float = 0.0
-    """[m/s^2]"""
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        channels: Channels,
+        joints: Sequence[str],
+        *,
+        left_hand_mass: float = 0.0,
+    ) -> None:
+        """Look everything up.
 
-    @staticmethod
-    def typical(scale: float) -> "Noise":
-        """Return the noise of ordinary sensors times `scale`. Raises ConfigError below zero."""
-        if not 0.0 <= scale <= 100.0:
-            raise ConfigError(f"noise scale {scale:g} is outside 0 to 100; 1 is ordinary sensors")
-        return Noise(
-            position=2e-5 * scale,
-            velocity=5e-3 * scale,
-            torque=0.5 * scale,
-            force=1.0 * scale,
-            moment=0.05 * scale,
-            angular_velocity=2e-3 * scale,
-            acceleration=2e-2 * scale,
+        Args:
+            model: the robot and its surroundings.
+            data: what is read.
+            channels: of as many joints as there are names.
+            joints: names, in the order of all joint vectors.
+            left_hand_mass: in the hand, which the wrist's sensor is not told of [kg].
+        """
+        unknown = (0.0, 0.0, left_hand_mass)
+        self._left, self._right, self._wrist = (
+            ForceTorqueSensor(model, name, link, frame, unknown=mass)
+            for name, link, frame, mass in zip(_NAMES, _LINKS, WRENCH_FRAMES, unknown, strict=True)
         )
+        positions = [int(model.joint(name).qposadr[0]) for name in joints]
+        velocities = [int(model.joint(name).dofadr[0]) for name in joints]
+        w, x, y, z = sensor_range(model, "imu_orientation")
+        imu = [
+            *(x, y, z, w),
+            *sensor_range(model, "imu_angular_velocity"),
+            *sensor_range(model, "imu_linear_acceleration"),
+        ]
+        places: list[tuple[Array, Sequence[int]]] = [
+            (data.qpos, positions),
+            (data.qvel, velocities),
+            (data.qfrc_actuator, velocities),
+            (data.sensordata, imu),
+        ]
+        for sensor in (self._left, self._right, self._wrist):
+            places += sensor.places(data)
+        self._gather = Gather(places)
+        self._wrenches = channels.wrenches
+        self._width = channels.width
+
+    def read(self) -> Array:
+        """Return what they read (width,), a new vector."""
+        gathered = self._gather.read()
+        numbers = gathered[self._wrenches.start :].tolist()
+        reading = gathered[: self._width].copy()
+        n = FORCE_TORQUE_NUMBERS
+        reading[self._wrenches] = (
+            self._left.wrench(numbers[:n])
+            + self._right.wrench(numbers[n : 2 * n])
+            + self._wrist.wrench(numbers[2 * n :])
+        )
+        return reading
+
+
+class Gather:
+    """Reads numbers from many places of MjData at once.
+
+    All its arrays of fixed size lie in one piece of memory: a view of all of it makes one gathering
+    of what would be a dozen. They stay where they are as long as the data lives.
+    """
+
+    def __init__(self, places: Iterable[tuple[Array, Sequence[int]]]) -> None:
+        """Take arrays of MjData, each with the indices of what is wanted of it when flat."""
+        places = list(places)
+        begin = min(_address(array) for array, _ in places)
+        end = max(_address(array) + array.nbytes for array, _ in places)
+        lowest = next(array for array, _ in places if _address(array) == begin)
+        itemsize = lowest.itemsize
+        self._memory = np.lib.stride_tricks.as_strided(
+            lowest.reshape(-1), ((end - begin) // itemsize,), (itemsize,), writeable=False
+        )
+        self._index = np.concatenate(
+            [(_address(array) - begin) // itemsize + np.array(wanted) for array, wanted in places]
+        )
+        self._out = np.zeros(len(self._index))
+
+    def read(self) -> Array:
+        """Return the numbers; the next reading overwrites them."""
+        self._memory.take(self._index, out=self._out, mode="clip")
+        return self._out
+
+
+FORCE_TORQUE_NUMBERS = 33
+"""What a force-torque sensor needs of MjData; see `ForceTorqueSensor.places`."""
 
 
 class ForceTorqueSensor:
-    """Between a link and its parent: what the environment exerts on all that hangs on the link.
-
-    In plain numbers: for three of them numpy's overhead is four times the arithmetic.
-    """
+    """Between a link and its parent: what the environment exerts on all that hangs on the link."""
 
     def __init__(
         self, model: mujoco.MjModel, name: str, link: str, frame: str, *, unknown: float = 0.0
@@ -67,108 +141,73 @@ class ForceTorqueSensor:
             frame: where the wrench is given.
             unknown: mass at this frame that is not subtracted, because nobody knows of it [kg].
         """
-        self._force = sensor_slice(model, f"{name}_force")
-        self._torque = sensor_slice(model, f"{name}_torque")
-        self._link = model.body(link).id
+        self._link, self._site = model.body(link).id, model.site(name).id
         self._frame = model.body(frame).id
-        self._site = model.site(name).id
-        self._weight = (model.body_subtreemass[self._link] * model.opt.gravity).tolist()
+        self._force = sensor_range(model, f"{name}_force")
+        self._torque = sensor_range(model, f"{name}_torque")
+        weight = model.body_subtreemass[self._link] * model.opt.gravity
+        self._weight = tuple(weight.tolist())
         """In the world (3,) [N]"""
-        self._unknown = (unknown * model.opt.gravity).tolist()
+        self._unknown = tuple((unknown * model.opt.gravity).tolist())
 
-    def read(self, data: mujoco.MjData) -> Array:
+    def places(self, data: mujoco.MjData) -> list[tuple[Array, Sequence[int]]]:
+        """Return what `wrench` wants, in its order."""
+        site, frame, link = self._site, self._frame, self._link
+        return [
+            (data.site_xmat, range(9 * site, 9 * site + 9)),
+            (data.xmat, range(9 * frame, 9 * frame + 9)),
+            (data.site_xpos, range(3 * site, 3 * site + 3)),
+            (data.xpos, range(3 * frame, 3 * frame + 3)),
+            (data.subtree_com, range(3 * link, 3 * link + 3)),
+            (data.sensordata, self._force),
+            (data.sensordata, self._torque),
+        ]
+
+    def wrench(self, numbers: Sequence[float]) -> tuple[float, ...]:
         """Return the wrench (6,), force then torque, in and at the frame [N, Nm].
 
         MuJoCo gives what the parent exerts on the link, in and at the site. The environment's is
         the rest of the balance, exact at rest: -(parent's) - (weight of link and children).
+
+        Args:
+            numbers: world_from_site and world_from_frame row by row, where the site, the frame and
+                the centre of mass of what hangs on the link are, the parent's force and torque.
         """
-        world_from_site = data.site_xmat[self._site].tolist()
-        world_from_frame = data.xmat[self._frame].tolist()
-        site = data.site_xpos[self._site].tolist()
-        to_weight = _minus(data.subtree_com[self._link].tolist(), site)
-        to_frame = _minus(site, data.xpos[self._frame].tolist())
-        parent_force = _rotate(world_from_site, data.sensordata[self._force].tolist())
-        parent_torque = _rotate(world_from_site, data.sensordata[self._torque].tolist())
-        force = [-p - w for p, w in zip(parent_force, self._weight, strict=True)]
-        parts = (parent_torque, _cross(to_weight, self._weight), _cross(to_frame, force))
-        torque = [-p - w + f for p, w, f in zip(*parts, strict=True)]
-        force = [f + u for f, u in zip(force, self._unknown, strict=True)]
-        return np.array(
-            _rotate_back(world_from_frame, force) + _rotate_back(world_from_frame, torque)
+        sxx, sxy, sxz, syx, syy, syz, szx, szy, szz = numbers[:9]
+        fxx, fxy, fxz, fyx, fyy, fyz, fzx, fzy, fzz = numbers[9:18]
+        site_x, site_y, site_z, frame_x, frame_y, frame_z, com_x, com_y, com_z = numbers[18:27]
+        px, py, pz, qx, qy, qz = numbers[27:]
+        weight_x, weight_y, weight_z = self._weight
+        force_x = -(sxx * px + sxy * py + sxz * pz) - weight_x
+        force_y = -(syx * px + syy * py + syz * pz) - weight_y
+        force_z = -(szx * px + szy * py + szz * pz) - weight_z
+        # About the frame's origin: -(parent's) - (com - site) x weight + (site - frame) x force.
+        ax, ay, az = com_x - site_x, com_y - site_y, com_z - site_z
+        bx, by, bz = site_x - frame_x, site_y - frame_y, site_z - frame_z
+        torque_x = -(sxx * qx + sxy * qy + sxz * qz) - (ay * weight_z - az * weight_y)
+        torque_y = -(syx * qx + syy * qy + syz * qz) - (az * weight_x - ax * weight_z)
+        torque_z = -(szx * qx + szy * qy + szz * qz) - (ax * weight_y - ay * weight_x)
+        torque_x += by * force_z - bz * force_y
+        torque_y += bz * force_x - bx * force_z
+        torque_z += bx * force_y - by * force_x
+        unknown_x, unknown_y, unknown_z = self._unknown
+        force_x, force_y, force_z = force_x + unknown_x, force_y + unknown_y, force_z + unknown_z
+        return (
+            fxx * force_x + fyx * force_y + fzx * force_z,
+            fxy * force_x + fyy * force_y + fzy * force_z,
+            fxz * force_x + fyz * force_y + fzz * force_z,
+            fxx * torque_x + fyx * torque_y + fzx * torque_z,
+            fxy * torque_x + fyy * torque_y + fzy * torque_z,
+            fxz * torque_x + fyz * torque_y + fzz * torque_z,
         )
 
 
-class Touch:
-    """What of the robot touches the world. Effectors: feet, then hands, left before right."""
-
-    def __init__(self, model: mujoco.MjModel) -> None:
-        links = (*talos.SOLE_FRAMES, talos.WRIST_SENSOR_LINK, talos.HAND_FRAMES[1])
-        robot = model.body_rootid == model.body(talos.BASE_LINK).id
-        effector_of_body = np.where(robot, _BODY, _WORLD)
-        for effector, link in enumerate(links):
-            effector_of_body[_subtree(model, model.body(link).id)] = effector
-        self._effector_of_geom = effector_of_body[model.geom_bodyid]
-        self._model = model
-
-    def by_body(self, data: mujoco.MjData) -> bool:
-        """Tell whether any part of the robot other than feet and hands touches something."""
-        return bool((self._effector_of_geom[data.contact.geom] == _BODY).any())
-
-    def forces(self, data: mujoco.MjData) -> Array:
-        """Return what the environment exerts on the end effectors, (4, 3) in the world [N]."""
-        total = np.zeros((4, 3))
-        wrench = np.zeros(6)
-        for index, pair in enumerate(self._effector_of_geom[data.contact.geom]):
-            if pair.max() < 0:
-                continue
-            mujoco.mj_contactForce(self._model, data, index, wrench)
-            on_second = data.contact.frame[index].reshape(3, 3).T @ wrench[:3]
-            for effector, sign in zip(pair, (-1.0, 1.0), strict=True):
-                if effector >= 0:
-                    total[effector] += sign * on_second
-        return total
-
-
-def _minus(a: Numbers, b: Numbers) -> Numbers:
-    return [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-
-
-def _cross(a: Numbers, b: Numbers) -> Numbers:
-    """Return a x b."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def _rotate(r: Numbers, v: Numbers) -> Numbers:
-    """Return R v of a rotation row by row (9,)."""
-    x, y, z = v
-    return [
-        r[0] * x + r[1] * y + r[2] * z,
-        r[3] * x + r[4] * y + r[5] * z,
-        r[6] * x + r[7] * y + r[8] * z,
-    ]
-
-
-def _rotate_back(r: Numbers, v: Numbers) -> Numbers:
-    """Return R' v of a rotation row by row (9,)."""
-    x, y, z = v
-    return [
-        r[0] * x + r[3] * y + r[6] * z,
-        r[1] * x + r[4] * y + r[7] * z,
-        r[2] * x + r[5] * y + r[8] * z,
-    ]
-
-
-def sensor_slice(model: mujoco.MjModel, name: str) -> slice:
-    """Return where a sensor's values are in `MjData.sensordata`."""
+def sensor_range(model: mujoco.MjModel, name: str) -> range:
+    """Return the indices of a sensor's values in `MjData.sensordata`."""
     sensor = model.sensor(name)
     start = int(sensor.adr[0])
-    return slice(start, start + int(sensor.dim[0]))
+    return range(start, start + int(sensor.dim[0]))
 
 
-def _subtree(model: mujoco.MjModel, body: int) -> list[int]:
-    """Return a body and all that hang on it; parents come before children in MuJoCo."""
-    members = {body}
-    for candidate in range(body + 1, model.nbody):
-        if model.body_parentid[candidate] in members:
-            members.add(candidate)
-    return sorted(members)
+def _address(array: Array) -> int:
+    return int(array.__array_interface__["data"][0])

@@ -8,6 +8,8 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
+_FLOAT64 = np.dtype(np.float64)
+
 # Bounds that keep a hostile or broken sender from filling a receiver's memory.
 Text = Annotated[str, msgspec.Meta(max_length=20_000)]
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
@@ -18,24 +20,34 @@ class Message(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """Base of every message. Compare encoded bytes, not structs: arrays have no ==."""
 
 
+def all_finite(value: Array) -> bool:
+    """Tell whether no number is NaN or infinite."""
+    # A search in bytes takes half the time of `.all()`, and this runs at every tick.
+    return b"\0" not in np.isfinite(value).tobytes()
+
+
 def check_array(
     name: str,
     value: Array,
     shape: tuple[int | None, ...],
     *,
     finite: bool = True,
-    dtype: npt.DTypeLike = np.float64,
+    dtype: npt.DTypeLike = _FLOAT64,
 ) -> None:
     """Raise ValueError unless dtype, shape (None = any length) and finiteness are right."""
-    if value.dtype != np.dtype(dtype):
+    if value.dtype != dtype:
         raise ValueError(f"{name}: dtype {value.dtype}, expected {np.dtype(dtype)}")
-    fits = value.ndim == len(shape) and all(
-        want is None or have == want for have, want in zip(value.shape, shape, strict=True)
-    )
-    if not fits:
+    # Most shapes are wanted exactly; lengths one by one take five times as long.
+    if value.shape != shape and not _fits(value.shape, shape):
         raise ValueError(f"{name}: shape {value.shape}, expected {shape} (None = any length)")
-    if finite and not np.isfinite(value).all():
+    if finite and not all_finite(value):
         raise ValueError(f"{name}: holds NaN or infinity, expected finite numbers")
+
+
+def _fits(have: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(have) == len(wanted) and all(
+        want is None or length == want for length, want in zip(have, wanted, strict=True)
+    )
 
 
 class Empty(Message, frozen=True, kw_only=True):

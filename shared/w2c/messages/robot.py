@@ -76,9 +76,11 @@ class RobotState(Message, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         """Refuse arrays of the wrong shape; a sensor that reads NaN is the receiver's to judge."""
-        n = self.position.shape[0] if self.position.ndim == 1 else None
-        for name in ("position", "velocity", "torque", "command"):
-            check_array(name, getattr(self, name), (n,), finite=False)
+        joints = self.position.shape if self.position.ndim == 1 else (None,)
+        check_array("position", self.position, joints, finite=False)
+        check_array("velocity", self.velocity, joints, finite=False)
+        check_array("torque", self.torque, joints, finite=False)
+        check_array("command", self.command, joints, finite=False)
         check_array("sole_wrenches", self.sole_wrenches, (2, 6), finite=False)
         check_array("left_wrist_wrench", self.left_wrist_wrench, (6,), finite=False)
         check_array("imu_orientation", self.imu_orientation, (4,), finite=False)
