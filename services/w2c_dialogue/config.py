@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 import msgspec
 
 from w2c.config import ServiceConfig
+from w2c_dialogue.advice.veto import UncheckedVeto
+from w2c_dialogue.advice.wordlist import FRAGILE, VETOED
 
 
 class DialogueConfig(ServiceConfig, frozen=True, kw_only=True):
@@ -16,5 +18,21 @@ class DialogueConfig(ServiceConfig, frozen=True, kw_only=True):
     """Seed of the language model's answers."""
     model_timeout: Annotated[float, msgspec.Meta(gt=0, le=600)] = 30.0
     """Deadline of one question to the language model, or of one look at a picture [s]."""
+    veto: tuple[str, ...] = VETOED
+    """What is never touched: a target where the picture shows one of these phrases cannot be
+    confirmed. A vision model checks only phrases whose words it knows; the health says which it
+    does not. Empty = no veto."""
+    veto_share: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.3
+    """A veto phrase is at a place from this share of its highest heat in the picture on. Less =
+    more careful."""
+    veto_margin: Annotated[float, msgspec.Meta(ge=0, le=0.5)] = 0.05
+    """How far around the target is looked for what is never touched [m]: a hand's radius."""
+    unchecked_veto: UncheckedVeto = "refuse"
+    """What follows where grounding does not answer: `refuse` = nothing is confirmed, `allow` = the
+    operator is told."""
+    fragile: tuple[str, ...] = tuple(FRAGILE)
+    """What may not bear a hand: the operator is told where the picture shows it."""
+    advice_timeout: Annotated[float, msgspec.Meta(gt=0, le=60)] = 5.0
+    """Deadline of each question that advice or the veto asks [s]."""
     goal_silence: Annotated[float, msgspec.Meta(gt=0)] = 5.0
     """A goal the controller's status has not named for so long is given up [s]."""

@@ -31,6 +31,11 @@ class Shown:
     effector: EndEffector | None = None
     """Fixed by pointing; None: the instruction decides"""
     task: Task | None = None
+    named: str = ""
+    """The thing that the operator's words put the target on; "" = a place beside things, or a
+    click"""
+    lifted: LiftReply | None = None
+    """What perception knows of the surface there; None without depth"""
 
     def scene(self, at: tuple[float, float], pixels_per_cm: float) -> CorrectionScene:
         """Return what a correction may refer to, with the target at this pixel now."""
@@ -76,6 +81,7 @@ class Conversation:
         warnings: tuple[str, ...] = (),
         effector: EndEffector | None = None,
         task: Task | None = None,
+        named: str = "",
     ) -> Target:
         """Show a new target instead of the old one."""
         target = self._target(
@@ -87,7 +93,13 @@ class Conversation:
             corrections=0,
         )
         self.shown = Shown(
-            target, frame, (prediction.u, prediction.v), effector=effector, task=task
+            target,
+            frame,
+            (prediction.u, prediction.v),
+            effector=effector,
+            task=task,
+            named=named,
+            lifted=lifted,
         )
         return target
 
@@ -124,6 +136,7 @@ class Conversation:
             start=scene.start,
             moves=moves,
             instructions=instructions,
+            lifted=lifted,
         )
         return target
 
@@ -163,7 +176,7 @@ class Conversation:
         target = msgspec.structs.replace(
             shown.target, point=lifted.point, normal=lifted.normal, warning=lifted.warning
         )
-        self.shown = replace(shown, target=target)
+        self.shown = replace(shown, target=target, lifted=lifted)
         return self.shown
 
     def confirm(self, goal_id: str, effector: EndEffector, task: Task, now_ns: int) -> Target:

@@ -20,6 +20,10 @@ from w2c.messages import (
     Target,
     Turn,
 )
+from w2c_dialogue.advice.guard import Guard
+from w2c_dialogue.advice.veto import unknown_text
+from w2c_dialogue.advice.watch import Watch
+from w2c_dialogue.advice.wordlist import check_phrases
 from w2c_dialogue.config import DialogueConfig
 from w2c_dialogue.frames import FrameStore
 from w2c_dialogue.interfaces import Frame
@@ -55,6 +59,16 @@ class DialogueNode:
         self._clock = clock
         self._frames = FrameStore()
         services = RemoteServices(bus, seed=config.seed, model_timeout_s=config.model_timeout)
+        hasty = RemoteServices(bus, seed=config.seed, model_timeout_s=config.advice_timeout)
+        watched = check_phrases((*config.veto, *config.fragile))
+        self._watch = Watch(hasty.find, watched, config.advice_timeout)
+        self._guard = Guard(
+            self._watch,
+            config.veto,
+            share=config.veto_share,
+            margin=config.veto_margin,
+            unchecked=config.unchecked_veto,
+        )
         self._dialogue = Dialogue(
             services,
             services,
@@ -62,12 +76,20 @@ class DialogueNode:
             services,
             prompts=PROMPT_SETS[config.prompts](),
             frames=self._frames,
+            guard=self._guard,
             clock=clock,
             prefix=bus.boot_id[:6],
         )
         self._target: Target | None = None
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
+
+    @property
+    def detail(self) -> str:
+        """Which no-go phrases nobody looks for; shown in the health."""
+        unknown = self._watch.unknown
+        lost = tuple(phrase for phrase in self._config.veto if phrase in unknown)
+        return f"veto list: {unknown_text(lost)}" if lost else ""
 
     def configure(self) -> None:
         """Subscribe and serve."""

@@ -11,21 +11,21 @@ from w2c.clock import Clock
 from w2c.errors import CallError, DeadlineError, RefusedError, W2CError
 from w2c.messages import (
     ConfirmRequest,
-    EndEffector,
     GoalEvent,
     LiftReply,
     PointRequest,
     SayRequest,
     Target,
-    Task,
     Turn,
 )
-from w2c_dialogue import absolute, effector, relative, replies
+from w2c_dialogue import absolute, relative, replies
+from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.analyzer import analyze
 from w2c_dialogue.conversation import Conversation, Goal, Shown
 from w2c_dialogue.corrector import correct
 from w2c_dialogue.frames import FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
+from w2c_dialogue.limbs import Limbs
 from w2c_dialogue.locating import locate
 from w2c_dialogue.outcome import Outcome, goal_of
 from w2c_dialogue.outlook import foresee, with_obstacles
@@ -55,6 +55,7 @@ class Dialogue:
         *,
         prompts: PromptSet,
         frames: FrameStore,
+        guard: Guard,
         clock: Clock,
         prefix: str,
     ) -> None:
@@ -66,6 +67,8 @@ class Dialogue:
         )
         self._prompts = prompts
         self._frames = frames
+        self._guard = guard
+        self._limbs = Limbs(prompts)
         self._clock = clock
         self._conversation = Conversation(prefix)
         self._turn = threading.Lock()
@@ -103,6 +106,15 @@ class Dialogue:
     def goal(self) -> Goal | None:
         """Return the goal under way."""
         return self._conversation.goal
+
+    def shown(self) -> Shown | None:
+        """Return the target on the screen."""
+        return self._conversation.shown
+
+    @property
+    def limbs(self) -> Limbs:
+        """Return who knows which limb an instruction means."""
+        return self._limbs
 
     # --- turns ---
 
@@ -146,7 +158,9 @@ class Dialogue:
                 "correct. Name something in the picture, for example: lean on the table with "
                 "your right hand."
             )
+        named = ""
         if analysis.position == "absolute":
+            named = analysis.mentions[0].phrase
             prediction = absolute.predict(services, frame, analysis.mentions[0])
         else:
             scale = pixels_per_cm(None, frame.view)
@@ -161,7 +175,12 @@ class Dialogue:
             )
         lifted, warnings = self._depth(prediction, frame, services)
         target = self._conversation.propose(
-            prediction, frame, instruction=utterance.text, lifted=lifted, warnings=warnings
+            prediction,
+            frame,
+            instruction=utterance.text,
+            lifted=lifted,
+            warnings=warnings,
+            named=named,
         )
         return Outcome(
             f"prediction.{analysis.position}", replies.proposal(target, analysis.position), target
@@ -216,7 +235,9 @@ class Dialogue:
             shown = self._conversation.lifted(
                 services.lift(shown.target.u, shown.target.v, shown.target.frame_stamp_ns)
             )
-        limb, task, assumed = self._limb_and_task(shown, services)
+        with services.steps.measure("veto"):
+            unchecked = self._guard.check(shown)
+        limb, task, assumed = self._limbs.choose(shown, services)
         request = goal_of(self._conversation.next_id("goal"), shown.target, limb, task)
         outlook = foresee(request, services)
         request = with_obstacles(request, self._frames, services)
@@ -232,20 +253,8 @@ class Dialogue:
                 "and say stop to hold."
             ) from error
         target = self._conversation.confirm(request.goal_id, limb, task, self._clock.now_ns())
-        reply = replies.confirmed(limb, task, assumed=assumed, outlook=outlook)
+        reply = replies.confirmed(limb, task, assumed=assumed, outlook=outlook + unchecked)
         return Outcome("confirmation", reply, target, self._conversation.goal)
-
-    def _limb_and_task(self, shown: Shown, services: Services) -> tuple[EndEffector, Task, bool]:
-        """Return what shall go to the target, what for, and whether the limb is only assumed."""
-        named, task = shown.effector, shown.task
-        if (named is None or task is None) and shown.target.instruction:
-            instruction = parse(shown.target.instruction)
-            heard = effector.choose_effector(services, self._prompts, instruction)
-            named, task = named or heard[0], task or heard[1]
-        if named is None and shown.target.point is not None:
-            return effector.nearest_hand(shown.target.point), task or "contact", True
-        limb = named or "right_hand"
-        return limb, effector.task_of(limb, task or "contact"), named is None
 
     def _stop(self, text: str) -> Turn:
         """Hold the robot, whatever else goes on."""

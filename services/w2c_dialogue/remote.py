@@ -12,6 +12,7 @@ from w2c.messages import (
     ChooseRequest,
     CompleteRequest,
     GoalReply,
+    GroundingReply,
     GroundingRequest,
     HeightField,
     HeightFieldRequest,
@@ -63,9 +64,12 @@ class RemoteServices:
     ) -> list[PhraseEvidence]:
         """Look for phrases in a picture."""
         request = GroundingRequest(jpeg=frame.jpeg, phrases=list(phrases), want=want)
-        inputs = [frame.source] if frame.source else []
-        reply = self._bus.call(topics.GROUND, request, timeout_s=self._timeout_s, inputs=inputs)
-        return reply.message.evidence
+        return self._ground(frame, request).evidence
+
+    def find(self, frame: Frame, phrases: Sequence[str]) -> GroundingReply:
+        """Look for phrases in a picture, with heatmaps; says which model looked."""
+        request = GroundingRequest(jpeg=frame.jpeg, phrases=list(phrases), want="heatmaps")
+        return self._ground(frame, request)
 
     def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
         """Find the point of the world behind a pixel."""
@@ -99,6 +103,12 @@ class RemoteServices:
             raise RefusedError(f"{error}; {self._stop_controller(request)}") from error
         controller = self._stop_controller(request)
         return f"The robot holds ({mode}); {controller}. `w2c resume` lets it move again."
+
+    def _ground(self, frame: Frame, request: GroundingRequest) -> GroundingReply:
+        inputs = [frame.source] if frame.source else []
+        return self._bus.call(
+            topics.GROUND, request, timeout_s=self._timeout_s, inputs=inputs
+        ).message
 
     def _stop_controller(self, request: StopRequest) -> str:
         try:

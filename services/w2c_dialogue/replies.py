@@ -11,6 +11,7 @@ SERVICES = {
     "correction": "language model",
     "effector": "language model",
     "grounding": "grounding service",
+    "veto": "grounding service",
     "lift": "perception",
     "heights": "perception",
     "preview": "controller",

@@ -71,6 +71,11 @@ class Services:
         )
         self._steps = steps
 
+    @property
+    def steps(self) -> Steps:
+        """The stopwatch."""
+        return self._steps
+
     def complete(self, question: Question) -> Any:
         """Ask the language model for JSON."""
         with self._steps.measure(STEP_OF_TASK[question.task]):

@@ -5,10 +5,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from w2c.errors import RefusedError, W2CError
+from w2c.errors import RefusedError, RemoteError, W2CError
 from w2c.messages import (
     Box,
     GoalReply,
+    GroundingReply,
     HeightField,
     LiftReply,
     PhraseEvidence,
@@ -59,6 +60,25 @@ class KnownThings:
         self.things = {name.replace("_", " "): value for name, value in things.items()}
         self.error: W2CError | None = None
         self.asked: list[tuple[int, tuple[str, ...], str]] = []
+        self.watched: list[tuple[int, tuple[str, ...]]] = []
+        self.model = "fake"
+        self.words: set[str] = set()
+        """Words that are known, beside those of the things."""
+
+    def find(self, frame: Frame, phrases: Sequence[str]) -> GroundingReply:
+        """Look for phrases that are watched for."""
+        self.watched.append((frame.stamp_ns, tuple(phrases)))
+        if self.error is not None:
+            raise self.error
+        if not phrases:
+            raise RemoteError("a request needs a phrase")
+        return GroundingReply(
+            model=self.model,
+            width=frame.width,
+            height=frame.height,
+            evidence=[self._evidence(phrase) for phrase in phrases],
+            milliseconds=1.0,
+        )
 
     def ground(
         self, frame: Frame, phrases: Sequence[str], want: Literal["heatmaps", "boxes"]
@@ -83,7 +103,7 @@ class KnownThings:
             score=0.9 if rows else 0.0,
             point=point,
             boxes=boxes,
-            unknown_words=[] if rows else phrase.split()[-1:],
+            unknown_words=[] if rows else [w for w in phrase.split()[-1:] if w not in self.words],
         )
 
 

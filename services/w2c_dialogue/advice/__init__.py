@@ -1,0 +1,1 @@
+"""What speaks against a target: the veto list, and advice that leaves the operator the choice."""

@@ -1,0 +1,77 @@
+"""The veto list at the door: asked for the advice, and once more before anything moves."""
+
+from w2c.errors import CallError, RefusedError
+from w2c_dialogue.advice.heat import Place, hits
+from w2c_dialogue.advice.veto import UncheckedVeto, Verdict
+from w2c_dialogue.advice.watch import Watch
+from w2c_dialogue.advice.wordlist import named_in
+from w2c_dialogue.conversation import Shown
+from w2c_dialogue.frames import pixels_per_cm
+
+
+class Guard:
+    """Refuses targets on what must not be touched. Thread-safe."""
+
+    def __init__(
+        self,
+        watch: Watch,
+        phrases: tuple[str, ...],
+        *,
+        share: float,
+        margin: float,
+        unchecked: UncheckedVeto,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            watch: Looks at pictures.
+            phrases: What must not be touched; empty: anything may.
+            share: Of a phrase's highest heat in the picture, from which on it is at a place.
+            margin: Around the target that is looked at [m].
+            unchecked: What follows where the picture cannot be looked at.
+        """
+        self._watch = watch
+        self._phrases = phrases
+        self._share = share
+        self._margin = margin
+        self._unchecked: UncheckedVeto = unchecked
+
+    def verdict(self, shown: Shown) -> Verdict:
+        """Return what the veto list says of a target.
+
+        Waits for grounding as long as `Watch` does, or takes its answer from memory.
+        """
+        if not self._phrases:
+            return Verdict()
+        named = next(iter(named_in(shown.named, self._phrases)), "")
+        try:
+            seen = self._watch.look(shown.frame)
+        except CallError as error:
+            return Verdict(named=named, failure=str(error))
+        found = hits(seen.of(self._phrases), self.place(shown), self._share)
+        unknown = tuple(phrase for phrase in self._phrases if phrase in seen.unknown)
+        return Verdict(found, named, unknown)
+
+    def refusal(self, verdict: Verdict) -> str:
+        """Return why a target of this verdict cannot be confirmed; "" = it can."""
+        return verdict.refusal(self._unchecked)
+
+    def check(self, shown: Shown) -> str:
+        """Return what the operator should know of the check; "" = nothing.
+
+        Raises:
+            RefusedError: the target must not be touched, or nobody could look.
+        """
+        verdict = self.verdict(shown)
+        refusal = self.refusal(verdict)
+        if refusal:
+            raise RefusedError(refusal)
+        if verdict.failure:
+            return f" I did not look for what I must not touch: {verdict.failure}."
+        return ""
+
+    def place(self, shown: Shown) -> Place:
+        """Return what is looked at around a target."""
+        target, frame = shown.target, shown.frame
+        scale = pixels_per_cm(target.point, frame.view)
+        return Place(target.u, target.v, 100.0 * self._margin * scale, frame.width, frame.height)
