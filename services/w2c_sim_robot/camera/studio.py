@@ -82,14 +82,16 @@ class Studio:
 
     def picture(self, stamp_ns: int, request: PictureRequest) -> Picture:
         """Return a picture of the robot from outside, at its best."""
-        image = self.renderer.draw(
-            self.data,
-            request.view,
-            size=(request.width, request.height),
-            shadows=True,
-            antialiasing=True,
+        return Picture(
+            stamp_ns=stamp_ns, jpeg=jpeg(self.look(request.view, (request.width, request.height)))
         )
-        return Picture(stamp_ns=stamp_ns, jpeg=jpeg(image.rgb))
+
+    def look(self, view: str, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
+        """Return a picture (h, w, 3) at its best of any camera: `head`, or one from outside."""
+        hidden = (HEAD_SHELL_GROUP,) if view == HEAD_CAMERA else ()
+        return self.renderer.draw(
+            self.data, view, size=size, hidden_groups=hidden, shadows=True, antialiasing=True
+        ).rgb
 
     def close(self) -> None:
         """Free the graphics context. Idempotent."""

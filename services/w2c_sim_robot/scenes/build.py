@@ -121,7 +121,7 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh) -> None:
 def _add_material(spec: mujoco.MjSpec, name: str, surface: Surface, paints: Paints) -> None:
     material = spec.add_material(
         name=name,
-        rgba=(*colour_of(surface, paints), 1.0),
+        rgba=(*colour_of(surface, paints), surface.opacity),
         specular=0.75 * surface.gloss,
         shininess=0.15 + 0.75 * surface.gloss,
     )

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from w2c_sim_robot.scenes.objects.catalogue import (
-    FURNITURE_KINDS,
     KINDS,
     MOVABLE_KINDS,
     make_object,
@@ -98,7 +97,7 @@ def random_scene(
 
 def _furniture(rng: np.random.Generator, stock: tuple[Asset, ...]) -> SceneObject:
     """Place a table or a counter before the robot."""
-    kind = FURNITURE_KINDS[0] if rng.random() < 0.7 else str(rng.choice(FURNITURE_KINDS))
+    kind = "table" if rng.random() < 0.7 else "counter"
     candidates = [asset for asset in stock if asset.kind == kind]
     asset = candidates[int(rng.integers(len(candidates)))]
     weights = np.array(

@@ -12,7 +12,7 @@ from w2c.geometry import Matrix, rotation_from_quaternion, transform
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Identifier = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
-Support = Literal["carries", "slides", "fragile"]
+Support = Literal["carries", "slides", "fragile", "forbidden"]
 
 UPRIGHT: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
@@ -41,7 +41,8 @@ class SceneObject(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     movable: bool
     """False: fixed to the world, a hand may lean on it with any force"""
     support: Support
-    """carries: a hand may lean on it. slides: it moves or tips when pushed. fragile: it breaks."""
+    """carries: a hand may lean on it. slides: it moves or tips when pushed. fragile: it breaks.
+    forbidden: no hand may go there, it burns, pricks, or must not be touched."""
     variant: Annotated[int, msgspec.Meta(ge=0)] = 0
     """Seed of its print, grain and pattern"""
 

@@ -24,7 +24,7 @@ def table(size: Size, rng: np.random.Generator) -> Shape:
     half_leg = (thick / 2, thick / 2, (z - TOP) / 2)
     return Shape(
         (
-            Part(top, Surface("main", textures.wood(rng, 1024, 1024, 6), 0.3)),
+            Part(top, Surface("main", textures.wood(rng, 1024, 1024, 6), 0.3), "top"),
             Part(merged(*legs, *apron), Surface("main", None, 0.2)),
         ),
         (
@@ -51,7 +51,7 @@ def counter(size: Size, rng: np.random.Generator) -> Shape:
         )
     return Shape(
         (
-            Part(worktop, Surface("main", textures.concrete(rng), 0.5)),
+            Part(worktop, Surface("main", textures.concrete(rng), 0.5), "worktop"),
             Part(merged(body, *doors), Surface((0.86, 0.86, 0.84), None, 0.25)),
             Part(merged(plinth, *knobs), Surface((0.35, 0.36, 0.38), None, 0.8)),
         ),

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from w2c.geometry import unit
 from w2c_sim_robot.scenes.objects.shape import Mesh, Points, Size, merged
 
-Profile = Sequence[Sequence[float]] | Points
+Profile = Sequence[Sequence[float] | Points] | Points
 SEGMENTS = 40
 CREASE = np.cos(np.radians(35.0))
 """Edges sharper than this stay edges; flatter ones are shaded as a curve."""
@@ -85,7 +85,7 @@ def prism(outline: Points, height: float, bevel: float = 0.0, caps: bool = True)
     texcoords = [
         np.column_stack([around, np.full(len(around), 1.0 - z / height)]) for _, z in rings
     ]
-    side = _strips(vertices, normals, texcoords)
+    side = strips(vertices, normals, texcoords)
     if not caps:
         return side
     return merged(side, _cap(rings[-1][0], height, 1.0), _cap(rings[0][0], 0.0, -1.0))
@@ -164,12 +164,16 @@ def _band(
         texcoords.append(
             np.column_stack([np.linspace(0.0, 1.0, segments + 1), np.full(segments + 1, v)])
         )
-    return _strips(vertices, directions, texcoords)
+    return strips(vertices, directions, texcoords)
 
 
-def tube(path: Profile, radius: float, sides: int = 12, flatten: float = 1.0) -> Mesh:
-    """Return a bent rod along a path (k, 3) [m]; `flatten` makes it oval."""
+def tube(path: Profile, radius: float | Points, sides: int = 12, flatten: float = 1.0) -> Mesh:
+    """Return a bent rod along a path (k, 3) [m]; `flatten` makes it oval.
+
+    `radius` [m] is one number, or (k,).
+    """
     points = np.asarray(path, dtype=np.float64)
+    radii = np.broadcast_to(np.asarray(radius, dtype=np.float64), (len(points),))
     tangents = _unit(np.gradient(points, axis=0))
     reference = (
         np.array([0.0, 0.0, 1.0]) if abs(tangents[:, 2]).mean() < 0.7 else np.array([0.0, 1.0, 0.0])
@@ -181,11 +185,11 @@ def tube(path: Profile, radius: float, sides: int = 12, flatten: float = 1.0) ->
         first = unit(first - float(first @ tangent) * tangent)
         second = np.cross(tangent, first)
         ring = np.cos(angle)[:, None] * first * flatten + np.sin(angle)[:, None] * second
-        vertices.append(point + radius * ring)
+        vertices.append(point + radii[number] * ring)
         normals.append(_unit(ring))
         share = np.full(sides + 1, number / (len(points) - 1))
         texcoords.append(np.column_stack([np.linspace(0, 1, sides + 1), share]))
-    return _strips(vertices, normals, texcoords)
+    return strips(vertices, normals, texcoords)
 
 
 def sheet(heights: Points, size: Size) -> Mesh:
@@ -207,7 +211,7 @@ def sheet(heights: Points, size: Size) -> Mesh:
     texcoords = [
         np.column_stack([np.full(rows, 1.0 - j / (columns - 1)), v]) for j in range(columns)
     ]
-    upper = _strips(vertices, normals, texcoords)
+    upper = strips(vertices, normals, texcoords)
     lower = Mesh(
         upper.vertices - [0.0, 0.0, 1e-3], -upper.normals, upper.texcoords, upper.faces[:, ::-1]
     )
@@ -227,7 +231,7 @@ def arc(
     return np.asarray(path + np.asarray(centre))
 
 
-def _strips(vertices: list[Points], normals: list[Points], texcoords: list[Points]) -> Mesh:
+def strips(vertices: list[Points], normals: list[Points], texcoords: list[Points]) -> Mesh:
     """Return the quads between consecutive rows of equally many points, as triangles."""
     rows, count = len(vertices), len(vertices[0])
     index = np.arange(rows * count).reshape(rows, count)

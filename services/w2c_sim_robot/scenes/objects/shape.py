@@ -1,7 +1,7 @@
 """What an object is made of: parts to look at, colliders to touch. Knows nothing of MuJoCo."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -63,6 +63,8 @@ class Surface:
     """(h, w, 3), first row at the top; None = plain"""
     gloss: float = 0.25
     """0 = chalk, 1 = polished"""
+    opacity: float = 1.0
+    """Below 1 what is behind shines through; depth cameras see the surface all the same"""
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,10 @@ class Part:
 
     mesh: Mesh
     surface: Surface
+    name: str = ""
+    """What people call this part: handle, lid ...; empty where it has no name of its own"""
+    material: str = ""
+    """Of this part, where a person would say it: the wooden handle of a mallet"""
 
 
 @dataclass(frozen=True)
@@ -91,6 +97,36 @@ class Shape:
 
     parts: tuple[Part, ...]
     colliders: tuple[Collider, ...]
+
+
+def fitted(size: Size, parts: tuple[Part, ...], colliders: tuple[Collider, ...]) -> Shape:
+    """Return a shape drawn in any place and scale, moved and stretched to fill `size` [m].
+
+    What can be seen then stands on the origin, and its extents are `size`. Colliders go along;
+    round ones stay round, with the smaller of the two sideways scales.
+    """
+    low, high = bounds(Shape(parts, ()))
+    scale = np.asarray(size) / np.maximum(high - low, 1e-9)
+    origin = np.array([*(low + high)[:2] / 2, low[2]])
+    across = float(min(scale[0], scale[1]))
+    moved = []
+    for part in parts:
+        normals = part.mesh.normals / scale
+        normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        vertices = (part.mesh.vertices - origin) * scale
+        mesh = Mesh(vertices, normals, part.mesh.texcoords, part.mesh.faces)
+        moved.append(replace(part, mesh=mesh))
+    solids = []
+    for collider in colliders:
+        x, y, z = ((np.asarray(collider.position) - origin) * scale).tolist()
+        if collider.shape == "box":
+            extents = tuple((np.asarray(collider.size) * scale).tolist())
+        elif collider.shape == "sphere":
+            extents = (collider.size[0] * float(scale.min()),)
+        else:
+            extents = (collider.size[0] * across, collider.size[1] * float(scale[2]))
+        solids.append(Collider(collider.shape, extents, (x, y, z)))
+    return Shape(tuple(moved), tuple(solids))
 
 
 Builder = Callable[[Size, np.random.Generator], Shape]

@@ -76,7 +76,7 @@ def apple(size: Size, rng: np.random.Generator) -> Shape:
     return Shape(
         (
             Part(body, Surface("main", textures.speckle(rng, 0.05, 10.0), 0.7)),
-            Part(stalk, Surface(STALK, None, 0.1)),
+            Part(stalk, Surface(STALK, None, 0.1), "stalk"),
         ),
         (Collider("sphere", (min(r, 0.46 * z),), (0, 0, 0.46 * z)),),
     )

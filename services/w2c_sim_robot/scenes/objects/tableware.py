@@ -50,7 +50,7 @@ def mug(size: Size, rng: np.random.Generator) -> Shape:
     return Shape(
         (
             Part(outer, Surface("main", glaze, 0.85)),
-            Part(handle, Surface("main", None, 0.85)),
+            Part(handle, Surface("main", None, 0.85), "handle"),
             Part(inner, Surface(GLAZE_INSIDE, None, 0.7)),
         ),
         (Collider("cylinder", (r, z / 2), (0, 0, z / 2)),),
@@ -126,8 +126,8 @@ def bottle(size: Size, rng: np.random.Generator) -> Shape:
     return Shape(
         (
             Part(body, Surface("main", None, 0.95)),
-            Part(cap, Surface("accent", None, 0.4)),
-            Part(sleeve, Surface((0.95, 0.94, 0.90), textures.label(rng), 0.15)),
+            Part(cap, Surface("accent", None, 0.4), "cap"),
+            Part(sleeve, Surface((0.95, 0.94, 0.90), textures.label(rng), 0.15), "label"),
         ),
         (
             Collider("cylinder", (r, 0.32 * z), (0, 0, 0.32 * z)),
@@ -171,9 +171,11 @@ def jug(size: Size, rng: np.random.Generator) -> Shape:
         0.1 * r,
         flatten=1.4,
     )
+    glaze = textures.rings(rng, bands=2)
     return Shape(
         (
-            Part(merged(outer, handle), Surface("main", textures.rings(rng, bands=2), 0.8)),
+            Part(outer, Surface("main", glaze, 0.8)),
+            Part(handle, Surface("main", glaze, 0.8), "handle"),
             Part(inner, Surface("accent", None, 0.4)),
         ),
         (cylinder_collider(size),),

@@ -210,3 +210,92 @@ def concrete(rng: np.random.Generator, size: int = 512) -> Texture:
     return _to_texture(
         0.88 + 0.035 * noise(rng, size, size, 150, 7) + 0.02 * rng.standard_normal((size, size))
     )
+
+
+def brushed(rng: np.random.Generator, size: int = 128) -> Texture:
+    """Return metal brushed along the rows."""
+    streaks = cv2.resize(rng.standard_normal((size, 6)), (size, size))
+    return _to_texture(0.9 + 0.045 * streaks + 0.01 * rng.standard_normal((size, size)))
+
+
+def wicker(rng: np.random.Generator, size: int = 192, count: int = 12) -> Texture:
+    """Return plaited stems, over and under in turns."""
+    rows, columns = np.mgrid[0:size, 0:size] * (count / size)
+    over = (np.floor(rows) + np.floor(columns)) % 2
+    across = np.sin(np.pi * (rows % 1.0))
+    along = np.sin(np.pi * (columns % 1.0))
+    field = 0.55 + 0.4 * np.where(over > 0, across, along)
+    return _to_texture(field + 0.03 * noise(rng, size, size, 30))
+
+
+def leather(rng: np.random.Generator, size: int = 192) -> Texture:
+    """Return leather: fine creases."""
+    creases = np.abs(noise(rng, size, size, 14, 2))
+    return _to_texture(0.95 - 0.12 * np.exp(-8.0 * creases) + 0.015 * noise(rng, size, size, 60))
+
+
+def stripes(rng: np.random.Generator, count: int = 6, size: int = 192) -> Texture:
+    """Return knitted or woven stripes across."""
+    rows = np.arange(size)[:, None] * count / size
+    field = np.where(rows % 1.0 < 0.5, 0.96, rng.uniform(0.5, 0.8)) * np.ones((1, size))
+    return _to_texture(field + 0.02 * noise(rng, size, size, 8, 2))
+
+
+def words(
+    lines_of_text: tuple[str, ...],
+    size: tuple[int, int],
+    *,
+    ink: Colour = (0.15, 0.15, 0.15),
+    ground: Colour = (0.97, 0.97, 0.97),
+    boxed: Colour | None = None,
+) -> Texture:
+    """Return large print on a plain ground, `size` = (width, height) [px].
+
+    With `boxed`, the lines stand on a panel of that colour.
+    """
+    width, height = size
+    image = np.empty((height, width, 3), np.uint8)
+    image[:] = _bytes(ground)
+    font = cv2.FONT_HERSHEY_DUPLEX
+    rows = height / (len(lines_of_text) + 0.5)
+    if boxed is not None:
+        low, high = (int(0.05 * width), int(0.18 * height)), (int(0.95 * width), int(0.82 * height))
+        cv2.rectangle(image, low, high, _bytes(boxed), -1)
+    for number, text in enumerate(lines_of_text):
+        (wide, tall), _ = cv2.getTextSize(text, font, 1.0, 2)
+        scale = min(0.88 * width / wide, 0.7 * rows / tall)
+        left = int((width - scale * wide) / 2)
+        foot = int((number + 0.75) * rows + 0.5 * scale * tall)
+        thick = max(2, round(2.4 * scale))
+        cv2.putText(image, text, (left, foot), font, scale, _bytes(ink), thick, cv2.LINE_AA)
+    return image
+
+
+def _bytes(colour: Colour) -> tuple[int, int, int]:
+    red, green, blue = (round(255 * share) for share in colour)
+    return red, green, blue
+
+
+def grid(rows: int, columns: int, *, ink: float = 0.55, cell: int = 22) -> Texture:
+    """Return light cells with gaps of `ink` between them: keys, tiles, the mesh of a grille."""
+    field = np.full((rows * cell, columns * cell), ink)
+    for row in range(rows):
+        for column in range(columns):
+            top, left = row * cell + 2, column * cell + 2
+            field[top : top + cell - 4, left : left + cell - 4] = 0.97
+    return _to_texture(field)
+
+
+def brick_wall(rng: np.random.Generator, courses: int = 12, size: int = 512) -> Texture:
+    """Return painted brickwork: courses of bricks with joints between."""
+    field = np.full((size, size), 0.8)
+    tall = size // courses
+    wide = 2.4 * tall
+    for course in range(courses):
+        start = -(course % 2) * wide / 2
+        while start < size:
+            left, right = max(int(start) + 3, 0), min(int(start + wide), size)
+            if right > left:
+                field[course * tall + 3 : (course + 1) * tall, left:right] = rng.uniform(0.9, 0.98)
+            start += wide
+    return _to_texture(field + 0.015 * noise(rng, size, size, 20))

@@ -6,7 +6,6 @@ from w2c_sim_robot.scenes.objects import textures
 from w2c_sim_robot.scenes.objects.meshes import box, lathe, prism, rounded_rectangle, tube
 from w2c_sim_robot.scenes.objects.shape import (
     Collider,
-    Mesh,
     Part,
     Shape,
     Size,
@@ -14,6 +13,7 @@ from w2c_sim_robot.scenes.objects.shape import (
     box_collider,
     merged,
 )
+from w2c_sim_robot.scenes.objects.solids import open_wall, wall_colliders
 
 STEEL = (0.62, 0.63, 0.65)
 RUBBER = (0.10, 0.10, 0.11)
@@ -38,11 +38,14 @@ def toolbox(size: Size, rng: np.random.Generator) -> Shape:
         [0, 0.15 * y, top],
     ]
     grip += [[0, 0.19 * y, 0.9 * z], [0, 0.2 * y, 0.78 * z]]
+    paint = textures.speckle(rng, 0.012)
     return Shape(
         (
-            Part(merged(body, lid), Surface("main", textures.speckle(rng, 0.012), 0.4)),
-            Part(merged(seam, tube(grip, 0.011)), Surface(RUBBER, None, 0.3)),
-            Part(merged(*latches), Surface(STEEL, None, 0.9)),
+            Part(body, Surface("main", paint, 0.4)),
+            Part(lid, Surface("main", paint, 0.4), "lid"),
+            Part(seam, Surface(RUBBER, None, 0.3)),
+            Part(tube(grip, 0.011), Surface(RUBBER, None, 0.3), "handle"),
+            Part(merged(*latches), Surface(STEEL, None, 0.9), "latch"),
         ),
         (
             Collider("box", (x / 2, y / 2, 0.4 * z), (0, 0, 0.4 * z)),
@@ -80,8 +83,8 @@ def mallet(size: Size, rng: np.random.Generator) -> Shape:
     handle = stick.rotated(along).moved((0, 0, r))
     return Shape(
         (
-            Part(head, Surface("main", textures.speckle(rng, 0.02), 0.15)),
-            Part(handle, Surface(BEECH, textures.wood(rng, 128, 128, 1), 0.3)),
+            Part(head, Surface("main", textures.speckle(rng, 0.02), 0.15), "head"),
+            Part(handle, Surface(BEECH, textures.wood(rng, 128, 128, 1), 0.3), "handle", "wood"),
         ),
         (
             Collider("box", (r, y / 2, r), (x / 2 - r, 0, r)),
@@ -95,7 +98,7 @@ def tray(size: Size, rng: np.random.Generator) -> Shape:
     """Return a flat tray with a rim and two grips."""
     x, y, z = size
     floor = prism(rounded_rectangle(x, y, 0.03), 0.15 * z, 0.0005)
-    rim = _wall(x, y, z, 0.03, 0.008)
+    rim = open_wall(x, y, z, 0.03, 0.008)
     wooden = rng.random() < 0.4
     return Shape(
         (
@@ -111,7 +114,7 @@ def tray(size: Size, rng: np.random.Generator) -> Shape:
         ),
         (
             Collider("box", (x / 2, y / 2, 0.075 * z), (0, 0, 0.075 * z)),
-            *_wall_colliders(size, 0.008),
+            *wall_colliders(size, 0.008),
         ),
     )
 
@@ -120,7 +123,7 @@ def crate(size: Size, rng: np.random.Generator) -> Shape:
     """Return an open crate with slatted walls."""
     x, y, z = size
     slats = [
-        _wall(x, y, 0.26 * z, 0.006, 0.009).moved((0, 0, k * 0.345 * z + 0.025 * z))
+        open_wall(x, y, 0.26 * z, 0.006, 0.009).moved((0, 0, k * 0.345 * z + 0.025 * z))
         for k in range(3)
     ]
     posts = [
@@ -136,7 +139,7 @@ def crate(size: Size, rng: np.random.Generator) -> Shape:
         ),
         (
             Collider("box", (x / 2, y / 2, 0.05 * z), (0, 0, 0.05 * z)),
-            *_wall_colliders(size, 0.012),
+            *wall_colliders(size, 0.012),
         ),
     )
 
@@ -147,43 +150,3 @@ def block(size: Size, rng: np.random.Generator) -> Shape:
     return Shape(
         (Part(body, Surface("main", textures.wood(rng, 128, 128, 1), 0.3)),), (box_collider(size),)
     )
-
-
-def _wall(x: float, y: float, z: float, radius: float, thick: float) -> Mesh:
-    """Return a closed wall without floor or lid: outside, inside and rim."""
-    outer, inner = (
-        rounded_rectangle(x, y, radius),
-        rounded_rectangle(x - 2 * thick, y - 2 * thick, radius),
-    )
-    outside = prism(outer, z, caps=False)
-    turned = prism(inner, z, caps=False)
-    inside = Mesh(turned.vertices, -turned.normals, turned.texcoords, turned.faces[:, ::-1])
-    count = len(outer)
-    rims = []
-    for height, sign in ((z, 1.0), (0.0, -1.0)):
-        vertices = np.vstack([outer, inner])
-        points = np.column_stack([vertices, np.full(2 * count, height)])
-        here = np.arange(count)
-        there = (here + 1) % count
-        faces = np.vstack(
-            [
-                np.column_stack([here, there, there + count]),
-                np.column_stack([here, there + count, here + count]),
-            ]
-        )
-        faces = faces if sign > 0 else faces[:, ::-1]
-        normals = np.tile([0.0, 0.0, sign], (2 * count, 1))
-        rims.append(Mesh(points, normals, np.zeros((2 * count, 2)), faces.astype(np.int32)))
-    return merged(outside, inside, *rims)
-
-
-def _wall_colliders(size: Size, thick: float) -> tuple[Collider, ...]:
-    """Return four upright boards around the extents of an object."""
-    x, y, z = size
-    sides = [
-        Collider("box", (thick / 2, y / 2, z / 2), (s * (x - thick) / 2, 0, z / 2)) for s in (-1, 1)
-    ]
-    ends = [
-        Collider("box", (x / 2, thick / 2, z / 2), (0, s * (y - thick) / 2, z / 2)) for s in (-1, 1)
-    ]
-    return (*sides, *ends)

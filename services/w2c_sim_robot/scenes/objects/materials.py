@@ -1,0 +1,62 @@
+"""What a thing looks like when it is made of something else than usual."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from w2c_sim_robot.scenes.objects import textures
+from w2c_sim_robot.scenes.objects.shape import Shape, Texture
+
+
+@dataclass(frozen=True)
+class Finish:
+    """The look of a material. It multiplies the object's colour."""
+
+    texture: Callable[[np.random.Generator], Texture] | None
+    gloss: float
+    adjective: str
+    """As in `the wooden handle`"""
+    opacity: float = 1.0
+
+
+FINISHES: dict[str, Finish] = {
+    "wood": Finish(lambda rng: textures.wood(rng, 256, 256, 2), 0.25, "wooden"),
+    "metal": Finish(textures.brushed, 1.0, "metal"),
+    "plastic": Finish(None, 0.55, "plastic"),
+    "ceramic": Finish(lambda rng: textures.speckle(rng, 0.012), 0.85, "ceramic"),
+    "glass": Finish(None, 1.0, "glass", 0.5),
+    "stone": Finish(textures.concrete, 0.2, "stone"),
+    "cardboard": Finish(textures.cardboard, 0.05, "cardboard"),
+    "paper": Finish(lambda rng: textures.speckle(rng, 0.01), 0.05, "paper"),
+    "leather": Finish(textures.leather, 0.4, "leather"),
+    "cotton": Finish(textures.weave, 0.02, "cotton"),
+    "wool": Finish(lambda rng: textures.stripes(rng, 24), 0.0, "woollen"),
+    "rubber": Finish(lambda rng: textures.speckle(rng, 0.02), 0.1, "rubber"),
+    "wicker": Finish(textures.wicker, 0.1, "wicker"),
+    "fabric": Finish(textures.weave, 0.02, "fabric"),
+}
+"""By the name a person says; `stoneware`, `porcelain` and the like are left to synonyms."""
+
+
+def adjective(material: str) -> str:
+    """Return the word before the noun: wooden for wood."""
+    return FINISHES[material].adjective
+
+
+def finished(shape: Shape, material: str, rng: np.random.Generator) -> Shape:
+    """Return the shape with what is painted in the object's own colour made of `material`."""
+    finish = FINISHES[material]
+    texture = None if finish.texture is None else finish.texture(rng)
+    parts = tuple(
+        replace(
+            part,
+            surface=replace(
+                part.surface, texture=texture, gloss=finish.gloss, opacity=finish.opacity
+            ),
+        )
+        if part.surface.paint == "main"
+        else part
+        for part in shape.parts
+    )
+    return replace(shape, parts=parts)
