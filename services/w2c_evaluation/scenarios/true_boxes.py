@@ -27,6 +27,8 @@ FINEST_STEP = 2
 """Between two rays [px]"""
 MAP_SCALE = 4
 """Pixels of the picture for one of a heatmap"""
+INNER_SHARE = 0.9
+"""Of the largest distance to the edge, which a long thing has along a line"""
 KEPT_FRAMES = 60
 """As many as wait to be read: twenty seconds"""
 FRAME_PATIENCE_S = 2.0
@@ -61,14 +63,13 @@ class Seen:
         )
 
     def point(self) -> Pixel:
-        """Return the pixel farthest from its edge."""
+        """Return a pixel far from its edge, of those the nearest to its middle."""
         padded = np.pad(self.mask.astype(np.uint8), 1)
         distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
-        row, column = np.unravel_index(int(distance.argmax()), distance.shape)
-        return (
-            self.left + self.step * (float(column) + 0.5),
-            self.top + self.step * (float(row) + 0.5),
-        )
+        inner = np.argwhere(distance >= INNER_SHARE * distance.max())
+        middle = np.argwhere(self.mask).mean(axis=0)
+        row, column = inner[np.linalg.norm(inner - middle, axis=1).argmin()].tolist()
+        return self.left + self.step * (column + 0.5), self.top + self.step * (row + 0.5)
 
     def heatmap(self, size: tuple[int, int]) -> Array:
         """Return (h, w) uint8 over the whole picture of this (width, height), smaller."""
@@ -117,10 +118,13 @@ def see(witness: Witness, name: str) -> Seen | None:
 class TrueGrounding:
     """Answers `grounding/ground` from truth, on a bus that was opened as `grounding`."""
 
-    def __init__(self, bus: Bus, log: TruthLog, book: PhraseBook) -> None:
+    def __init__(
+        self, bus: Bus, log: TruthLog, book: PhraseBook, *, patience_s: float = FRAME_PATIENCE_S
+    ) -> None:
         self._frames = bus.queue(topics.CAMERA_FRAME, size=KEPT_FRAMES)
         self._log = log
         self._book = book
+        self._patience_s = patience_s
         self._stamps: OrderedDict[bytes, int] = OrderedDict()
         bus.serve(topics.GROUND, self.ground)
 
@@ -155,7 +159,7 @@ class TrueGrounding:
 
     def _stamp_of(self, jpeg: bytes) -> int:
         key = _digest(jpeg)
-        deadline = time.monotonic() + FRAME_PATIENCE_S
+        deadline = time.monotonic() + self._patience_s
         while True:
             wait_s = 0.0 if key in self._stamps else deadline - time.monotonic()
             received = self._frames.receive(max(0.0, wait_s))
