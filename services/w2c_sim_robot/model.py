@@ -14,7 +14,7 @@ import numpy as np
 from w2c.geometry import base_from_midfeet, inverse, quaternion_from_rotation, transform, unit
 from w2c.messages import Array
 from w2c_sim_robot import talos
-from w2c_sim_robot.perturbation import Perturbation, perturb, tilt_soles
+from w2c_sim_robot.perturbation import Perturbation, perturb, raise_scene, tilt_soles
 from w2c_sim_robot.urdf import make_urdf, mujoco_urdf
 
 if TYPE_CHECKING:
@@ -78,6 +78,8 @@ def build_model(
     visuals: bool = True,
 ) -> mujoco.MjModel:
     """Return the compiled model. Raises ConfigError as `build_spec`."""
+    if scene is not None and perturbation is not None and perturbation.table_height:
+        scene = raise_scene(scene, perturbation.table_height)
     return compile_spec(build_spec(scene), perturbation, visuals=visuals)
 
 

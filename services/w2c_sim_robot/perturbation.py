@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 from math import cos, radians, sin
+from typing import TYPE_CHECKING
 
+import msgspec
 import mujoco
 import numpy as np
 
@@ -10,9 +12,14 @@ from w2c.errors import ConfigError
 from w2c.messages import Array
 from w2c_sim_robot import talos
 
+if TYPE_CHECKING:
+    from w2c_sim_robot.scenes.scene import Scene, SceneObject
+
 _FACTORS = ("stiffness", "friction", "ball_friction", "mass")
 _HEAVIEST_HAND = 50.0
 _STEEPEST_TILT = radians(10.0)
+_HIGHEST_RISE = 0.2
+_ON_THE_FLOOR = 0.01
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,9 @@ class Perturbation:
     sole_pitch: tuple[float, float] = (0.0, 0.0)
     """Of the bottom of each sole against its frame, toes down, about its front edge [rad]:
     a wedge under the foot; negative, heel down, about its rear edge"""
+    table_height: float = 0.0
+    """How much higher everything before the robot stands than its scene says [m]; not what is
+    loose on the floor. The camera draws fixed things where the scene has them."""
 
     def __post_init__(self) -> None:
         """Refuse what is no robot any more."""
@@ -44,6 +54,23 @@ class Perturbation:
                 raise ConfigError(
                     f"sole pitch {pitch:g} rad is beyond {_STEEPEST_TILT:.3f} rad: no floor is that"
                 )
+        if not abs(self.table_height) <= _HIGHEST_RISE:
+            raise ConfigError(
+                f"table height {self.table_height:g} m is beyond {_HIGHEST_RISE:g} m: "
+                "for another table write another scene"
+            )
+
+
+def raise_scene(scene: "Scene", height: float) -> "Scene":
+    """Return the scene with everything higher [m], but for what is loose on the floor."""
+
+    def raised(item: "SceneObject") -> "SceneObject":
+        x, y, z = item.position
+        if item.movable and z < _ON_THE_FLOOR:
+            return item
+        return msgspec.structs.replace(item, position=(x, y, z + height))
+
+    return msgspec.structs.replace(scene, objects=tuple(map(raised, scene.objects)))
 
 
 def tilt_soles(spec: mujoco.MjSpec, perturbation: Perturbation) -> None:

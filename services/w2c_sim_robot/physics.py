@@ -8,10 +8,11 @@ from w2c.messages import Array, RobotDescription, RobotState, Truth
 from w2c.messages.base import all_finite
 from w2c.messages.robot import DriverMode
 from w2c_sim_robot import talos
+from w2c_sim_robot.imperfection import Imperfection
 from w2c_sim_robot.model import PHYSICS_STEP_S, ready_configuration
 from w2c_sim_robot.pushes import Pushes
 from w2c_sim_robot.sensing import Channels, IdealSensors
-from w2c_sim_robot.sensor_errors import Imperfection, SensorErrors
+from w2c_sim_robot.sensor_errors import SensorErrors
 from w2c_sim_robot.statics import standing_torque
 from w2c_sim_robot.touch import Touch
 

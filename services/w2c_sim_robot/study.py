@@ -40,10 +40,11 @@ def study_robot(
     perturbation = perturbation or Perturbation()
     spec = build_spec()
     for index, block in enumerate(blocks):
+        x, y, z = block.centre
         spec.worldbody.add_geom(
             name=f"block_{index}",
             type=mujoco.mjtGeom.mjGEOM_BOX,
-            pos=block.centre,
+            pos=(x, y, z + perturbation.table_height),
             size=block.half_size,
             contype=WORLD_CONTYPE,
             conaffinity=WORLD_CONAFFINITY,

@@ -79,19 +79,6 @@ def mujoco_urdf(urdf: str, robots: Path | None = None) -> str:
     return re.sub(r"(<robot\b[^>]*>)", lambda m: m.group(1) + compiler, with_meshes, count=1)
 
 
-def joint_limits(urdf: str) -> dict[str, tuple[float, float]]:
-    """Return lower and upper limit of every revolute joint [rad]."""
-    limits = {}
-    for joint in ElementTree.fromstring(urdf).findall("joint"):  # noqa: S314 - made by make_urdf
-        limit = joint.find("limit")
-        if joint.get("type") == "revolute" and limit is not None:
-            limits[joint.get("name", "")] = (
-                float(limit.get("lower", "0")),
-                float(limit.get("upper", "0")),
-            )
-    return limits
-
-
 def _drop_simulator_tags(root: Element) -> None:
     """Keep links, joints and materials. Friction and damping would hide the joint's stiffness."""
     for child in list(root):

@@ -149,20 +149,21 @@ def main(
     extra: str,
     on_robot_host: bool = False,
     hub: bool = False,
+    verb: str = "",
 ) -> int:
     """Run one service from its flags. Returns the exit status: 0 done, 1 failed, 2 usage.
 
     `load_node` imports the node module, and with it the heavy dependencies of the extra.
     `on_robot_host` connects to the robot's own endpoint, not to the router; `hub` is the robot
     itself,
-    which listens there.
+    which listens there. `verb` is the word after `w2c`, where it is not the service's own.
     """
     import sys
 
-    program = f"w2c {service}"
+    program = f"w2c {verb or service}"
     argv = sys.argv[1:] if arguments is None else arguments
     try:
-        config = parse(config_type, argv, program=program, table=service)
+        config = parse(config_type, argv, program=program, table=verb or service)
         with needs_extra(extra):
             node_factory = load_node()
         stop = stop_on_signals()

@@ -2,6 +2,8 @@
 
 from w2c import topics
 
+SIMULATED = " (simulation only)"
+
 
 def streams_table() -> str:
     """Return the table of streams."""
@@ -10,16 +12,16 @@ def streams_table() -> str:
         rate = f"{row.rate_hz:g} Hz" if row.rate_hz else "on change"
         readers = ", ".join("all" if name == "*" else name for name in row.readers) or "recorder"
         key = f"{row.kind}/{row.service}/{row.name}"
-        lines.append(f"| `{key}` | {row.message.__name__} | {rate} | {readers} |")
+        only = SIMULATED if row.simulated else ""
+        lines.append(f"| `{key}`{only} | {row.message.__name__} | {rate} | {readers} |")
     return "\n".join(lines)
 
 
 def calls_table() -> str:
     """Return the table of calls."""
     lines = ["| call | request | reply | deadline |", "|---|---|---|---|"]
-    lines += [
-        f"| `{row.service}/{row.name}` | {row.request.__name__} | {row.reply.__name__} | "
-        f"{row.timeout_s:g} s |"
-        for row in topics.METHODS
-    ]
+    for row in topics.METHODS:
+        only = SIMULATED if row.simulated else ""
+        messages = f"{row.request.__name__} | {row.reply.__name__}"
+        lines.append(f"| `{row.service}/{row.name}`{only} | {messages} | {row.timeout_s:g} s |")
     return "\n".join(lines)

@@ -50,6 +50,8 @@ class Topic(Generic[M_co]):
     max_bytes: int = 1_000_000
     lock_step: bool = False
     """True: in lock step this link blocks instead of dropping."""
+    simulated: bool = False
+    """True: only a simulator writes it, a real robot has none."""
 
     def key(self, robot: str, service: str | None = None) -> str:
         """Return the key expression, or the key of one writer of a `*` row."""
@@ -68,6 +70,8 @@ class Method(Generic[Request, Reply]):
     timeout_s: float = 5.0
     """Default deadline, wall time."""
     max_bytes: int = 1_000_000
+    simulated: bool = False
+    """True: only a simulator answers it, a real robot has none."""
 
     def key(self, robot: str, instance: str = "*") -> str:
         """Return the key of one replica, or of all of them."""
@@ -97,6 +101,10 @@ JOINT_COMMAND = Topic(
     ("robot",),
     lock_step=True,
 )
+ROBOT_STATISTICS = Topic(
+    "state", "robot", "statistics", m.RobotStatistics, Priority.DATA, 2.0,
+    ("console", "operator", "evaluation"),
+)  # fmt: skip
 CAMERA_FRAME = Topic(
     "obs", "camera", "rgbd", m.CameraFrame, Priority.DATA_LOW, 3.0,
     ("perception", "dialogue", "console"), max_bytes=20_000_000,
@@ -155,11 +163,21 @@ LOG = Topic("log", "*", "record", m.LogRecord, Priority.DATA, 0.0, ("console",),
 TRACE = Topic(
     "trace", "*", "call", m.CallTrace, Priority.DATA_LOW, 0.0, (), drops=False, max_bytes=40_000_000
 )
-TRUTH = Topic("truth", "robot", "physics", m.Truth, Priority.DATA, 100.0, ("camera", "evaluation"))
+TRUTH = Topic(
+    "truth",
+    "robot",
+    "physics",
+    m.Truth,
+    Priority.DATA,
+    100.0,
+    ("camera", "evaluation"),
+    simulated=True,
+)
 
 TOPICS: tuple[Topic[Any], ...] = (
-    ROBOT_STATE, JOINT_COMMAND, CAMERA_FRAME, CAMERA_VIEW, CONTROLLER_STATUS, GOAL_EVENT,
-    SAFETY_EVENT, CONTROLLER_STATISTICS, CONTROLLER_SNAPSHOT, TARGET, TURN, ADVICE,
+    ROBOT_STATE, JOINT_COMMAND, ROBOT_STATISTICS, CAMERA_FRAME, CAMERA_VIEW,
+    CONTROLLER_STATUS, GOAL_EVENT, SAFETY_EVENT, CONTROLLER_STATISTICS, CONTROLLER_SNAPSHOT,
+    TARGET, TURN, ADVICE,
     MARK, RECORDER_STATUS, PROCESS_TABLE, HEALTH, LOG, TRACE, TRUTH,
 )  # fmt: skip
 
@@ -167,6 +185,8 @@ TOPICS: tuple[Topic[Any], ...] = (
 DESCRIBE = Method("robot", "describe", m.Empty, m.RobotDescription, ALL, max_bytes=4_000_000)
 ROBOT_STOP = Method("robot", "stop", m.StopRequest, m.StopReply, ALL, timeout_s=2.0)
 ROBOT_RESUME = Method("robot", "resume", m.Empty, m.StopReply, OPERATORS)
+# With the rights of `truth`: the simulator and its judges.
+PUSH = Method("robot", "push", m.PushRequest, m.PushReply, ("evaluation",), 2.0, simulated=True)
 CAPTURE = Method(
     "camera",
     "capture",
@@ -177,7 +197,14 @@ CAPTURE = Method(
     20_000_000,
 )
 PICTURE = Method(
-    "camera", "picture", m.PictureRequest, m.Picture, ("evaluation", "operator"), 20.0, 20_000_000
+    "camera",
+    "picture",
+    m.PictureRequest,
+    m.Picture,
+    ("evaluation", "operator"),
+    20.0,
+    20_000_000,
+    simulated=True,
 )
 LIFT = Method("perception", "lift", m.LiftRequest, m.LiftReply, OPERATORS)
 HEIGHT_FIELD = Method(
@@ -205,8 +232,8 @@ RECORD_STATUS = Method("recorder", "status", m.Empty, m.RecorderStatus, OPERATOR
 RECORD_MARK = Method("recorder", "mark", m.MarkRequest, m.RecorderStatus, OPERATORS)
 
 METHODS: tuple[Method[Any, Any], ...] = (
-    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, CAPTURE, PICTURE, LIFT, HEIGHT_FIELD, PLACE, RELEASE,
-    CONTROLLER_STOP,
+    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, PUSH, CAPTURE, PICTURE, LIFT, HEIGHT_FIELD,
+    PLACE, RELEASE, CONTROLLER_STOP,
     CONTROLLER_RESUME, SNAPSHOT, PREVIEW,
     COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, RECORD_START, RECORD_STOP, RECORD_STATUS,
     RECORD_MARK,

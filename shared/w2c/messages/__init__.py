@@ -64,8 +64,11 @@ from w2c.messages.robot import (
     JointInfo,
     Picture,
     PictureRequest,
+    PushReply,
+    PushRequest,
     RobotDescription,
     RobotState,
+    RobotStatistics,
     Truth,
 )
 from w2c.messages.terrain import HeightField, HeightFieldRequest
@@ -116,6 +119,8 @@ __all__ = [
     "PlaceGoal",
     "PointRequest",
     "PreviewReply",
+    "PushReply",
+    "PushRequest",
     "ProcessState",
     "ProcessTable",
     "QpStatistics",
@@ -126,6 +131,7 @@ __all__ = [
     "ResumeReply",
     "RobotDescription",
     "RobotState",
+    "RobotStatistics",
     "SafetyCause",
     "SafetyEvent",
     "SayRequest",

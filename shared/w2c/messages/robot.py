@@ -88,6 +88,51 @@ class RobotState(Message, frozen=True, kw_only=True):
         check_array("imu_linear_acceleration", self.imu_linear_acceleration, (3,), finite=False)
 
 
+class RobotStatistics(Message, frozen=True, kw_only=True):
+    """How the driver's loop keeps time; published at 2 Hz of robot time."""
+
+    stamp_ns: Stamp
+    tick: Stamp
+    pace: float
+    """Robot time over wall time since the last of these: 1 in real time"""
+    real_time_factor: float
+    """What the pace would be without waiting: the period over the time that the machine's step
+    took, since the last of these. Below 1 it cannot keep real time"""
+    late_periods: int
+    """Periods since the start that began more than a period after they were due"""
+    gaps_20ms: int
+    """Of these, by more than 20 ms: robot time fell behind for good"""
+    lateness_p50_us: float
+    lateness_p99_us: float
+    lateness_max_us: float
+    """Of the last 5000 periods; all zero in lock step, where nothing is due"""
+    memory_locked: bool
+    real_time_priority: bool
+
+
+class PushRequest(Message, frozen=True, kw_only=True):
+    """Push a body at its centre of mass. Simulation only: a real robot is pushed by people."""
+
+    link: Name = "torso_2_link"
+    """A link of the robot, or an object of the scene"""
+    force: Array
+    """(3,) in the world [N]"""
+    duration_s: Annotated[float, msgspec.Meta(ge=0.0, le=60.0)] = 0.1
+    tick: Annotated[int, msgspec.Meta(ge=-1)] = -1
+    """When it begins; -1 = at the next tick"""
+
+    def __post_init__(self) -> None:
+        """Refuse NaN, infinity and wrong shapes."""
+        check_array("force", self.force, (3,))
+
+
+class PushReply(Message, frozen=True, kw_only=True):
+    """The push was accepted."""
+
+    tick: Stamp
+    """When it begins, or has begun"""
+
+
 class CameraFrame(Message, frozen=True, kw_only=True):
     """One picture with depth from the head camera, taken at `stamp_ns` of robot time."""
 

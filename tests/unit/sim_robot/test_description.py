@@ -7,12 +7,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from w2c.driver.limits import joint_limits
 from w2c.errors import ConfigError
 from w2c.messages import Array, RobotDescription
 from w2c_sim_robot import talos
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import build_model, ready_configuration
-from w2c_sim_robot.urdf import joint_limits, make_urdf, robots_directory
+from w2c_sim_robot.urdf import make_urdf, robots_directory
 
 
 @pytest.fixture(scope="module")
@@ -128,10 +129,9 @@ def test_actuators_have_the_described_stiffness_and_efforts(
 
 
 def test_the_robot_starts_inside_its_limits(description: RobotDescription) -> None:
-    limits = joint_limits(description.urdf)
-    for joint, angle in zip(description.joints, description.initial_position, strict=True):
-        lower, upper = limits[joint.name]
-        assert lower <= angle <= upper, joint.name
+    limits = joint_limits(description)
+    assert (limits[:, 0] <= description.initial_position).all()
+    assert (description.initial_position <= limits[:, 1]).all()
 
 
 def test_nothing_of_this_machine_is_in_the_description(description: RobotDescription) -> None:

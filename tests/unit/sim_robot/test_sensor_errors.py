@@ -8,10 +8,10 @@ import pytest
 
 from w2c.errors import ConfigError
 from w2c.messages import Array
+from w2c_sim_robot.imperfection import Imperfection
 from w2c_sim_robot.sensing import Channels
 from w2c_sim_robot.sensor_errors import (
     ForceTorqueErrors,
-    Imperfection,
     ImuErrors,
     JointErrors,
     SensorErrors,

@@ -47,3 +47,15 @@ def test_truth_is_for_the_simulator_and_its_judges() -> None:
 
 def test_commands_are_written_by_the_controller_alone() -> None:
     assert {topic.service for topic in topics.TOPICS if topic.kind == "cmd"} == {"controller"}
+
+
+def test_what_only_a_simulator_has_says_so() -> None:
+    """A driver of a real robot need not serve it, and nothing of the product may need it."""
+    streams = {f"{topic.kind}/{topic.service}" for topic in topics.TOPICS if topic.simulated}
+    calls = {f"{method.service}/{method.name}" for method in topics.METHODS if method.simulated}
+    assert streams == {"truth/robot"}
+    assert calls == {"robot/push", "camera/picture"}
+
+
+def test_only_judges_push_the_robot() -> None:
+    assert topics.PUSH.callers == ("evaluation",)

@@ -22,6 +22,8 @@ class Pacer:
         self._deadline_ns = clock.now_ns()
         self._lateness_ns = np.zeros(_KEPT)
         self._count = 0
+        self.late = 0
+        """Periods that began more than a period after they were due."""
         self.gaps = 0
         """How often the loop was more than 20 ms late."""
 
@@ -32,6 +34,7 @@ class Pacer:
         late_ns = max(0, self._clock.now_ns() - self._deadline_ns)
         self._lateness_ns[self._count % _KEPT] = late_ns
         self._count += 1
+        self.late += late_ns > self._period_ns
         if late_ns <= _LONGEST_BACKLOG_NS:
             return True
         self.gaps += 1

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from w2c.driver.watchdog import Refusal, Watchdog
 from w2c.messages import Array
-from w2c_sim_robot.watchdog import Refusal, Watchdog
 
 START = np.array([0.1, -0.2])
 LIMITS = np.array([[-1.0, 0.5], [-3.0, 3.0]])  # (n, 2) [rad]

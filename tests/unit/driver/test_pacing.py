@@ -1,7 +1,7 @@
 """A loop on absolute deadlines."""
 
 from w2c.clock import StepClock
-from w2c_sim_robot.pacing import Pacer
+from w2c.driver.pacing import Pacer
 
 PERIOD_NS = 2_000_000
 
