@@ -10,6 +10,7 @@ from w2c.bus import Bus
 from w2c.bus.interface import CallContext, Queue, Received
 from w2c.clock import Clock
 from w2c.messages import (
+    Advice,
     CameraFrame,
     CameraView,
     ConfirmRequest,
@@ -20,6 +21,7 @@ from w2c.messages import (
     Target,
     Turn,
 )
+from w2c_dialogue.advice.advisor import Advisor, Checks
 from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.advice.veto import unknown_text
 from w2c_dialogue.advice.watch import Watch
@@ -43,7 +45,7 @@ PROMPT_SETS: dict[str, Callable[[], PromptSet]] = {
 POLL_S = 0.2
 """How long a thread waits for a message before it looks for the end."""
 REPEAT_S = 0.5
-"""The present target is repeated, for who joins later."""
+"""The present target and its advice are repeated, for who joins later."""
 FRAME_QUEUE = 8
 """Every picture may be the one the operator saw; a few may wait while the process is busy."""
 WORKERS = 4
@@ -80,6 +82,19 @@ class DialogueNode:
             clock=clock,
             prefix=bus.boot_id[:6],
         )
+        checks = Checks(
+            self._guard,
+            self._watch,
+            self._dialogue.limbs,
+            hasty,
+            hasty,
+            fragile=config.fragile,
+            share=config.veto_share,
+        )
+        self._advisor = Advisor(
+            checks, self._advise, self._shown_id, clock, deadline_s=config.advice_timeout
+        )
+        self._advice: Advice | None = None
         self._target: Target | None = None
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
@@ -97,6 +112,7 @@ class DialogueNode:
         self._pump(self._bus.queue(topics.CAMERA_FRAME, FRAME_QUEUE), self._on_frame, "frames")
         self._pump(self._bus.queue(topics.CAMERA_VIEW), self._on_view, "views")
         self._pump(self._bus.queue(topics.GOAL_EVENT), self._on_goal_event, "goals")
+        self._advisor.start()
         self._bus.serve(topics.SAY, self.say, workers=WORKERS)
         self._bus.serve(topics.CONFIRM, self.confirm, workers=WORKERS)
         self._bus.serve(topics.POINT, self.point, workers=WORKERS)
@@ -106,11 +122,15 @@ class DialogueNode:
         while not stop.wait(REPEAT_S):
             if self._target is not None:
                 self._bus.publish(topics.TARGET, self._target)
+            advice = self._advice
+            if advice is not None and advice.target_id == self._shown_id():
+                self._bus.publish(topics.ADVICE, advice)
             self.check_goal()
 
     def close(self) -> None:
         """End the threads."""
         self._stop.set()
+        self._advisor.close()
         for thread in self._threads:
             thread.join(timeout=2.0)
 
@@ -164,10 +184,21 @@ class DialogueNode:
             self._target = turn.target
             self._bus.publish(topics.TARGET, turn.target, inputs)
         self._bus.publish(topics.TURN, turn, inputs)
+        shown = self._dialogue.shown()
+        if turn.target is not None and shown is not None and shown.target is turn.target:
+            self._advisor.consider(shown)
         _LOG.info(
             "turn", extra={"module_name": turn.module, "ok": turn.ok, "seconds": turn.seconds}
         )
         return turn
+
+    def _advise(self, advice: Advice) -> None:
+        self._advice = advice
+        self._bus.publish(topics.ADVICE, advice)
+
+    def _shown_id(self) -> str:
+        shown = self._dialogue.shown()
+        return shown.target.target_id if shown else ""
 
     def _pump(self, queue: Queue[M], handle: Callable[[Received[M]], None], name: str) -> None:
         """Hand every message of a queue to a handler, on a thread of its own."""

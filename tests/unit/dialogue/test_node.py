@@ -314,3 +314,31 @@ def test_a_turn_names_the_message_it_answers_and_grounding_the_picture_it_was_gi
     assert received is not None
     assert any("rpc/dialogue" in source.key for source in received.envelope.inputs)
     assert any("rgbd" in source.key for source in robot.ground_inputs)
+
+
+@pytest.mark.usefixtures("node")
+def test_advice_follows_the_turn_on_a_stream_of_its_own(robot: Robot) -> None:
+    """Words, click or correction: the answer never waits for it."""
+    console = robot.buses["console"]
+    told = console.queue(topics.ADVICE)
+    robot.grounding.things["cloth"] = (400, 300, 600, 420)
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    received = told.receive(WAIT_S)
+    while received is not None and received.message.pending:
+        received = told.receive(WAIT_S)
+    assert received is not None
+    advice = received.message
+    assert [remark.kind for remark in advice.remarks] == ["material", "reach"]
+    assert robot.confirm(advice.target_id).ok
+
+
+def test_the_health_says_which_words_of_the_veto_nobody_looks_for(
+    robot: Robot, node: DialogueNode
+) -> None:
+    assert node.detail == ""
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    until(lambda: node.detail != "")
+    assert "'person'" in node.detail
+    assert "not looked for" in node.detail
