@@ -98,6 +98,11 @@ class Witness:
         }
 
     @property
+    def model(self) -> mujoco.MjModel:
+        """Return the MuJoCo model."""
+        return self._model
+
+    @property
     def effectors(self) -> dict[str, int]:
         """Return the links of feet and hands, and which they belong to: feet first, left first."""
         links = (*talos.SOLE_FRAMES, talos.WRIST_SENSOR_LINK, talos.HAND_FRAMES[1])
