@@ -28,6 +28,7 @@ from w2c.messages import (
     Turn,
 )
 from w2c.system import Connection, service_config
+from w2c_launcher.advice import follow_advice
 
 FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}
 GOOD_STATES = {"loaded", "reached", "released"}
@@ -40,6 +41,8 @@ class SayConfig(Connection, frozen=True, kw_only=True):
     """What to say."""
     wait: Annotated[float, msgspec.Meta(ge=0)] = 90.0
     """How long to wait for a motion that the words start [s]; 0 = do not wait."""
+    advice: Annotated[float, msgspec.Meta(ge=0)] = 3.0
+    """How long to wait for advice on the target that the words propose [s]; 0 = do not wait."""
 
 
 def say(arguments: list[str] | None = None) -> int:
@@ -51,9 +54,13 @@ def say(arguments: list[str] | None = None) -> int:
     config = parse(SayConfig, [*flags, *text], program="w2c say")
     with _connect(config) as bus:
         events = bus.queue(topics.GOAL_EVENT)
+        told = bus.queue(topics.ADVICE)
         target_id = _current_target(bus.latest(topics.TARGET).wait(1.2))
         turn = bus.call(topics.SAY, SayRequest(text=config.text, target_id=target_id)).message
-        return _finish(turn, events, config.wait)
+        status = _finish(turn, events, config.wait)
+        if turn.target is not None and turn.target.state == "proposed" and config.advice > 0:
+            print("\n".join(follow_advice(told, turn.target.target_id, config.advice)))
+        return status
 
 
 def _current_target(received: object) -> str:
