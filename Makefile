@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMPS := .stamps
 EXTRAS ?= all,dev
+# Tests at a time. Those in real time run alone, in the end.
+WORKERS ?= 2
 comma := ,
 # One stamp a set of extras: another set, or a changed lock, installs again.
 STAMP := $(STAMPS)/$(subst $(comma),-,$(EXTRAS))
@@ -30,8 +32,11 @@ demo: $(STAMP)
 up: $(STAMP)
 	$(BIN)/w2c up
 
+# Two workers, each with its threads, must not spin for each other's cores.
+test: export OMP_WAIT_POLICY = PASSIVE
+test: export OPENBLAS_NUM_THREADS = 1
 test: $(STAMP)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 check: $(STAMP)
 	$(BIN)/ruff format --check .

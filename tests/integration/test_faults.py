@@ -21,19 +21,19 @@ from w2c.messages import (
 )
 from w2c_recorder.reading import Recording
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
-MORTALS = (
-    "camera", "perception", "grounding", "llm", "dialogue", "recorder", "console", "router",
-    "controller",
-)  # fmt: skip
+ALONE = ("router", "controller")
+"""One at a time: much hangs on each."""
+TOGETHER = (("camera", "recorder"), ("perception", "console"))
+"""Two at once, which know nothing of each other."""
 
 
-def row_of(bus: ZenohBus, name: str) -> ProcessState:
-    """Return the launcher's newest word on a process."""
+def processes(bus: ZenohBus) -> dict[str, ProcessState]:
+    """Return the launcher's newest word on each process."""
     table = bus.latest(topics.PROCESS_TABLE).wait(20.0)
     assert table is not None, "the launcher publishes no table"
-    return next(row for row in table.message.processes if row.name == name)
+    return {row.name: row for row in table.message.processes}
 
 
 def say(bus: ZenohBus, text: str, target_id: str = "") -> Turn:
@@ -52,28 +52,35 @@ def stands(bus: ZenohBus) -> bool:
     )
 
 
-@pytest.mark.parametrize("name", MORTALS)
-def test_a_process_may_die_and_comes_back(system: RunningSystem, name: str) -> None:
+def kill(bus: ZenohBus, *names: str) -> None:
+    """Kill processes at once; return when each of them is there again."""
+    before = processes(bus)
+    for name in names:
+        pid = before[name].pid
+        assert pid is not None
+        os.kill(pid, signal.SIGKILL)
+
+    def back() -> bool:
+        now = processes(bus)
+        return all(
+            now[name].phase == "ready" and now[name].pid not in (None, before[name].pid)
+            for name in names
+        )
+
+    wait_until(back, 90)
+
+
+@pytest.mark.parametrize("names", [*TOGETHER, *((name,) for name in ALONE)], ids="-".join)
+def test_processes_may_die_and_come_back(system: RunningSystem, names: tuple[str, ...]) -> None:
     with system.connect() as bus:
-        before = row_of(bus, name)
-        assert before.pid is not None
-        os.kill(before.pid, signal.SIGKILL)
-
-        def back() -> bool:
-            after = row_of(bus, name)
-            return after.phase == "ready" and after.pid not in (None, before.pid)
-
-        wait_until(back, 90)
+        kill(bus, *names)
         wait_until(lambda: stands(bus), 30)
 
 
 def test_the_conversation_goes_on_after_the_models_died(system: RunningSystem) -> None:
     with system.connect() as bus:
-        for name in ("llm", "grounding"):
-            pid = row_of(bus, name).pid
-            assert pid is not None
-            os.kill(pid, signal.SIGKILL)
-            wait_until(lambda name=name: row_of(bus, name).phase == "ready", 90)  # type: ignore[misc]
+        kill(bus, "llm", "grounding")
+        wait_until(lambda: stands(bus), 30)
 
         def understood() -> bool:
             return say(bus, "Place your right hand on top of the book").ok
@@ -85,13 +92,7 @@ def test_a_dialogue_that_died_says_what_was_lost(system: RunningSystem) -> None:
     with system.connect() as bus:
         turn = say(bus, "Place your right hand on top of the book")
         assert turn.target is not None, turn.reply
-        pid = row_of(bus, "dialogue").pid
-        assert pid is not None
-        os.kill(pid, signal.SIGKILL)
-        wait_until(
-            lambda: row_of(bus, "dialogue").phase == "ready" and row_of(bus, "dialogue").pid != pid,
-            90,
-        )
+        kill(bus, "dialogue")
         answer = bus.call(topics.CONFIRM, ConfirmRequest(target_id=turn.target.target_id)).message
         assert not answer.ok
         assert not answer.goal_id

@@ -21,6 +21,8 @@ from w2c.messages import CameraView, LiftRequest
 from w2c_sim_robot.scenes.scenario_a import scenario_a
 from w2c_sim_robot.scenes.scene import save
 
+pytestmark = pytest.mark.real_time
+
 
 @contextmanager
 def process(*command: str) -> Iterator[None]:

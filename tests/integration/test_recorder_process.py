@@ -19,6 +19,8 @@ from w2c_recorder.commands import record
 from w2c_recorder.reading import Recorded, Recording
 from w2c_recorder.recovery import is_closed
 
+pytestmark = pytest.mark.real_time
+
 CHATTER = Path(__file__).resolve().parents[1] / "support" / "chatter.py"
 ROBOT = "recorded"
 MAY_LOSE_S = 1.0

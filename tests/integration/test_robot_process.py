@@ -6,12 +6,16 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import pytest
+
 from support.ports import free_endpoint
 from support.waiting import wait_until
 from w2c import topics
 from w2c.bus.zenoh_bus import connect
 from w2c.config import ServiceConfig
 from w2c.messages import Empty, JointCommand, StopRequest
+
+pytestmark = pytest.mark.real_time
 
 
 @contextmanager

@@ -15,6 +15,8 @@ from w2c.bus.zenoh_bus import ZenohBus, connect, connect_hub
 from w2c.config import ServiceConfig
 from w2c.messages import JointCommand, RobotState, StopReply, StopRequest
 
+pytestmark = pytest.mark.real_time
+
 CONTROLLER = """
 import sys, time
 import numpy as np

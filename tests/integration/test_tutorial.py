@@ -31,6 +31,7 @@ def own_ports(words: list[str]) -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.real_time
 def test_every_command_of_the_tutorial_does_what_it_says(desk: Path) -> None:
     output: dict[str, str] = {}
     for words in commands_of(TUTORIAL):
