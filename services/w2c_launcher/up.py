@@ -43,7 +43,8 @@ class UpConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     lock_step: bool = False
     """The simulator waits for each command instead of keeping real time."""
     scene: str = ""
-    """Scene file of the simulator; empty = scenario (a) of the paper."""
+    """Scene of the simulator: a file (.json), scenario_a to scenario_e, or random (both drawn from
+    --seed); empty = scenario (a) of the paper, as in the demo."""
     seed: Annotated[int, msgspec.Meta(ge=0)] = 0
     """Of the simulator's noise."""
     run_directory: str = ""
@@ -82,11 +83,19 @@ def options_of(config: UpConfig, run_directory: Path) -> Options:
 
 
 def with_scene(options: Options, profile: str) -> Options:
-    """Return the options with a scene for the simulator: scenario (a), where none was chosen."""
-    if options.scene or profile != "simulation":
+    """Return the options with a scene file for the simulator: scenario (a), where none was chosen.
+
+    Raises:
+        ConfigError: neither a file nor a name of a scene.
+    """
+    is_file = options.scene.endswith(".json") or Path(options.scene).is_file()
+    if (options.scene and is_file) or profile != "simulation":
         return replace(options, scene=str(Path(options.scene).resolve()) if options.scene else "")
     path = Path(options.run_directory) / "scene.json"
-    library("save_scene")(library("scenario_a")(), path)
+    scene = library("named_scene")(
+        options.scene or "scenario_a", options.seed if options.scene else 0
+    )
+    library("save_scene")(scene, path)
     return replace(options, scene=str(path))
 
 

@@ -72,6 +72,14 @@ def add_object(spec: mujoco.MjSpec, item: SceneObject) -> None:
             conaffinity=0,
             mass=0.0,
         )
+    add_colliders(body, item)
+    if item.movable:
+        body.add_freejoint(name=f"{item.name}_free")
+
+
+def add_colliders(body: Any, item: SceneObject) -> None:
+    """Give a body of a specification what can be touched of an object, and its mass."""
+    shape = shape_of(item)
     volumes = np.array([_volume(collider) for collider in shape.colliders])
     for number, (collider, volume) in enumerate(zip(shape.colliders, volumes, strict=True)):
         body.add_geom(
@@ -85,8 +93,6 @@ def add_object(spec: mujoco.MjSpec, item: SceneObject) -> None:
             mass=item.mass * float(volume / volumes.sum()),
             friction=(0.8, 0.01, 0.001),
         )
-    if item.movable:
-        body.add_freejoint(name=f"{item.name}_free")
 
 
 def paints_of(item: SceneObject) -> Paints:

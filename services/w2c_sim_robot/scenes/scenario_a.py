@@ -4,7 +4,7 @@ import numpy as np
 
 from w2c.errors import ConfigError
 from w2c_sim_robot.scenes.objects.catalogue import make_object
-from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
+from w2c_sim_robot.scenes.scene import Instruction, Light, Scene, SceneObject, Surroundings
 
 TABLE_DEPTH = 1.15
 TABLE_WIDTH = 1.7
@@ -13,6 +13,27 @@ TABLE_FRONT = 0.27
 and thighs"""
 BOOK_SIZE = (0.27, 0.20, 0.04)
 CUP_SIZE = (0.125, 0.09, 0.105)
+INSTRUCTIONS = (
+    Instruction(
+        prompt="Place your right hand on top of the book",
+        end_effector="right_hand",
+        task="contact",
+        things={"book": "book"},
+        thing="book",
+        description="near the middle of the book",
+    ),
+    Instruction(
+        prompt="with your left hand, reach for the cup",
+        end_effector="left_hand",
+        task="reach",
+        things={"cup": "cup"},
+        thing="cup",
+        description="the middle of the cup as it is seen",
+        share=(0.0, 0.0, 0.5),
+        normal=(-1.0, 0.0, 0.0),
+    ),
+)
+"""Words of the paper"""
 
 
 def scenario_a(
@@ -95,6 +116,7 @@ def scenario_a(
             ),
         ),
         surroundings=Surroundings(floor="tiles"),
+        instructions=INSTRUCTIONS,
     )
 
 

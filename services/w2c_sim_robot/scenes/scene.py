@@ -7,7 +7,8 @@ import msgspec
 import numpy as np
 
 from w2c.errors import ConfigError
-from w2c.geometry import Matrix, rotation_from_quaternion, transform
+from w2c.geometry import Matrix, Vector, apply, rotation_from_quaternion, transform
+from w2c.messages import EndEffector
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -64,6 +65,36 @@ class SceneObject(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         return (*self.names, *with_colour, *with_material)
 
 
+class Instruction(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a person says in this scene, and the place they mean.
+
+    The place is on the surface that is seen at the point `share` of the thing, moved by `beside`.
+    """
+
+    prompt: str
+    end_effector: EndEffector
+    task: Literal["contact", "reach", "lift"]
+    """contact and reach as in a goal of the controller; lift: take that foot off the floor"""
+    things: dict[str, Identifier] = {}
+    """Words of the prompt that name a thing, in order of mention, and the object that they mean"""
+    thing: str = ""
+    """The object that the place belongs to; empty = none is meant"""
+    description: str = ""
+    """Of the place, for people: `the middle of the book`"""
+    share: Vector3 = (0.0, 0.0, 1.0)
+    """Of the thing's size, along its own axes, from the middle of its underside"""
+    beside: Vector3 = (0.0, 0.0, 0.0)
+    """Further from there, along the axes of the world [m]"""
+    normal: Vector3 = (0.0, 0.0, 1.0)
+    """Of the surface there, in the world"""
+    on: tuple[Identifier, ...] = ()
+    """Objects whose surface may be seen there; none = the thing itself"""
+    touches: tuple[Identifier, ...] = ()
+    """Further objects that this hand may touch there: what lies under a cloth"""
+    corrections: tuple[str, ...] = ()
+    """What the paper's operator said before the point was right"""
+
+
 class Light(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A lamp of parallel rays, far away."""
 
@@ -97,6 +128,14 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     objects: tuple[SceneObject, ...]
     lights: tuple[Light, ...]
     surroundings: Surroundings = Surroundings()
+    instructions: tuple[Instruction, ...] = ()
+    """In the order in which they are said; empty where a scene is not for one story"""
+
+    def place(self, instruction: Instruction) -> Vector:
+        """Return the point (3,) in the world that an instruction means [m]. Raises ConfigError."""
+        item = self.object(instruction.thing)
+        point = apply(item.world_from_object, np.multiply(instruction.share, item.size))
+        return np.asarray(point + np.asarray(instruction.beside))
 
     def object(self, name: str) -> SceneObject:
         """Return the object of this name. Raises ConfigError."""
@@ -108,7 +147,7 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 def check(scene: Scene) -> None:
-    """Raise ConfigError for what types cannot say: names used twice, unknown kinds, odd sizes."""
+    """Raise ConfigError for what types cannot say: unknown kinds, odd sizes, overlap ..."""
     from w2c_sim_robot.scenes.objects.catalogue import KINDS
     from w2c_sim_robot.scenes.objects.palette import COLOURS
 
@@ -133,9 +172,30 @@ def check(scene: Scene) -> None:
             raise ConfigError(
                 f"{where}: orientation of length {length:g}, expected a unit quaternion xyzw"
             )
+    for instruction in scene.instructions:
+        named = (instruction.thing, *instruction.things.values(), *instruction.on)
+        for name in (*named, *instruction.touches):
+            if name and name not in seen:
+                raise ConfigError(
+                    f"scene '{scene.name}', instruction '{instruction.prompt}': "
+                    f"no object '{name}'; it has: {', '.join(sorted(seen))}"
+                )
+    _check_overlap(scene)
     for number, light in enumerate(scene.lights):
         if not float(np.linalg.norm(light.direction)) > 1e-6:
             raise ConfigError(f"scene '{scene.name}', light {number}: its direction is zero")
+
+
+def _check_overlap(scene: Scene) -> None:
+    from w2c_sim_robot.scenes.overlap import deepest_overlap
+
+    found = deepest_overlap(scene.objects)
+    if found is not None:
+        first, second, depth = found
+        raise ConfigError(
+            f"scene '{scene.name}': '{first}' and '{second}' overlap by {1e3 * depth:.0f} mm; "
+            "at most 2 mm may; move one of them or make it smaller"
+        )
 
 
 def load(path: Path) -> Scene:

@@ -14,8 +14,13 @@ from w2c_sim_robot.scenes.objects import (
 from w2c_sim_robot.scenes.objects.kind import MANY, OAK, WOODEN, Kind
 
 BEECH = {"brown": (0.80, 0.60, 0.37)}
-ENAMEL = ("white", "grey", "black", "red", "blue", "green")
-CLAY = {"brown": (0.66, 0.33, 0.20)}
+PAINT = {
+    "yellow": (0.88, 0.82, 0.64),
+    "turquoise": (0.60, 0.76, 0.75),
+    "brown": (0.62, 0.38, 0.29),
+    "grey": (0.70, 0.71, 0.72),
+}
+"""Of a wall: paler than of things"""
 
 FURNITURE: dict[str, Kind] = {
     "table": Kind(
@@ -46,8 +51,8 @@ FURNITURE: dict[str, Kind] = {
     ),
     "wall": Kind(
         room.wall, ("wall",), "stone", (0.12, 2.6, 2.3), (0.1, 0.1, 0.05),
-        ("white", "grey", "yellow", "turquoise", "brown"), 400.0, "carries", True, {}, "furniture",
-        ("wood",),
+        ("white", "grey", "yellow", "turquoise", "brown"), 400.0, "carries", True, PAINT,
+        "furniture", ("wood",),
     ),
     "window": Kind(
         room.window, ("window", "window pane"), "glass", (0.06, 0.7, 0.8), (0.1, 0.15, 0.15),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from w2c_sim_robot.scenes.objects import textures
-from w2c_sim_robot.scenes.objects.meshes import lathe, prism, tube
+from w2c_sim_robot.scenes.objects.meshes import lathe, prism, strips, tube
 from w2c_sim_robot.scenes.objects.shape import (
     Collider,
     Mesh,

@@ -24,7 +24,7 @@ STEEL = (0.70, 0.71, 0.73)
 DARK = (0.13, 0.13, 0.14)
 DOOR_SHARE = 0.48
 """Of the length of an open dishwasher: its door, folded down before it"""
-DOOR_TOP = 0.13
+DOOR_TOP = 0.19
 """Height of the upper side of the open door [m]"""
 SHELF_BOARD = 0.024
 SHELF_LEVELS = (0.05, 0.46, 1.0)

@@ -286,11 +286,11 @@ def grid(rows: int, columns: int, *, ink: float = 0.55, cell: int = 22) -> Textu
     return _to_texture(field)
 
 
-def brick_wall(rng: np.random.Generator, courses: int = 12, size: int = 512) -> Texture:
+def brick_wall(rng: np.random.Generator, courses: int = 28, size: int = 1024) -> Texture:
     """Return painted brickwork: courses of bricks with joints between."""
     field = np.full((size, size), 0.8)
     tall = size // courses
-    wide = 2.4 * tall
+    wide = 2.6 * tall
     for course in range(courses):
         start = -(course % 2) * wide / 2
         while start < size:
