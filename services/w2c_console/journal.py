@@ -2,8 +2,8 @@
 
 from collections import deque
 
-from w2c.messages import GoalEvent, Turn
-from w2c_console.page import Entry, GoalEntry, TurnEntry
+from w2c.messages import Advice, GoalEvent, Remark, Turn
+from w2c_console.page import AdviceNews, Entry, GoalEntry, RemarkLine, TurnEntry
 
 ENTRIES_KEPT = 500
 
@@ -38,6 +38,28 @@ class Journal:
     def after(self, entry_id: int) -> list[Entry]:
         """Return the entries that came after this one."""
         return [entry for entry in self._entries if entry.id > entry_id]
+
+
+_ORDER = {"veto": 0, "caution": 1, "fine": 2}
+
+
+def advice_news(advice: Advice) -> AdviceNews:
+    """Return advice as the page shows it."""
+    remarks = sorted(advice.remarks, key=lambda remark: _ORDER[remark.level])
+    return AdviceNews(
+        target_id=advice.target_id,
+        refusal=advice.refusal,
+        remarks=[RemarkLine(r.kind, r.level, r.text, _numbers(r)) for r in remarks],
+        unchecked=[f"{item.check}: {item.reason}" for item in advice.unchecked],
+        pending=bool(advice.pending),
+    )
+
+
+def _numbers(remark: Remark) -> str:
+    if remark.value is None or remark.limit is None or remark.level == "veto":
+        return ""
+    unit = f" {remark.unit}" if remark.unit else ""
+    return f"{remark.value:.3g}, limit {remark.limit:.3g}{unit}"
 
 
 def turn_entry(turn: Turn, time_ms: int, entry_id: int = 0) -> TurnEntry:

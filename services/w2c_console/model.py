@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 
 from w2c import topics
 from w2c.messages import (
+    Advice,
     CameraFrame,
     CameraView,
     ControllerStatus,
@@ -17,8 +18,8 @@ from w2c.messages import (
     Turn,
 )
 from w2c_console import panel
-from w2c_console.journal import Journal
-from w2c_console.page import Entry, Panel, PictureHeader
+from w2c_console.journal import Journal, advice_news
+from w2c_console.page import AdviceNews, Entry, Panel, PictureHeader
 from w2c_console.panel import Aged
 from w2c_console.view import FrameHistory, Scene, compose
 
@@ -35,6 +36,7 @@ class ConsoleModel:
         self._frames = FrameHistory()
         self._journal = Journal()
         self._target: Target | None = None
+        self._advice: AdviceNews | None = None
         self._health: dict[tuple[str, str], Aged[Health]] = {}
         self._alive: frozenset[tuple[str, str]] = frozenset()
         self._robot: Aged[RobotState] | None = None
@@ -70,6 +72,12 @@ class ConsoleModel:
         with self._lock:
             self._target = message
             self._frames.pin(message.frame_stamp_ns)
+        self._tell()
+
+    def on_advice(self, message: Advice) -> None:
+        """Take in what is known of a target besides its place."""
+        with self._lock:
+            self._advice = advice_news(message)
         self._tell()
 
     def on_turn(self, message: Turn, time_ms: int) -> None:
@@ -142,6 +150,11 @@ class ConsoleModel:
             marker=scene.marker,
             boxes=list(scene.boxes),
         )
+
+    def advice(self) -> AdviceNews | None:
+        """Return what was last said of a target besides its place."""
+        with self._lock:
+            return self._advice
 
     def entries(self, after: int) -> list[Entry]:
         """Return the chat after an entry."""

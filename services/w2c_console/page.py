@@ -179,4 +179,29 @@ class GoalEntry(msgspec.Struct, frozen=True, tag_field="type", tag="goal"):
     distance: float
 
 
+class RemarkLine(msgspec.Struct, frozen=True):
+    """One thing that was found out about a target."""
+
+    kind: str
+    level: str
+    """fine, caution or veto"""
+    text: str
+    numbers: str
+    """What was compared with what; "" where the text says it or there is nothing"""
+
+
+class AdviceNews(msgspec.Struct, frozen=True, tag_field="type", tag="advice"):
+    """What is known of a target besides its place; told as soon as it is known."""
+
+    target_id: str
+    refusal: str
+    """Why it cannot be confirmed; "" = it can"""
+    remarks: list[RemarkLine]
+    """The most important first"""
+    unchecked: list[str]
+    """What could not be found out, and why"""
+    pending: bool
+    """There is more to come"""
+
+
 Entry = TurnEntry | GoalEntry

@@ -13,7 +13,7 @@ from starlette.types import Message
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from w2c.clock import Clock
-from w2c_console.page import Entry, Hello, Panel, PictureHeader
+from w2c_console.page import AdviceNews, Entry, Hello, Panel, PictureHeader
 from w2c_console.view import Scene
 
 ANSWER_WITHIN_S = 1.0
@@ -39,6 +39,9 @@ class ConsoleView(Protocol):
 
     def entries(self, after: int) -> list[Entry]:
         """Return the chat after an entry."""
+
+    def advice(self) -> AdviceNews | None:
+        """Return what was last said of a target besides its place."""
 
     def panel(self, now_ns: int) -> Panel:
         """Return the state of everything."""
@@ -146,12 +149,17 @@ class Streams:
         self, socket: WebSocket, last: int, ended: "asyncio.Future[Message]"
     ) -> None:
         panel_due = time.monotonic()
+        told: AdviceNews | None = None
         with _Wakeup(self._view) as wakeup:
             while not ended.done():
                 wakeup.clear()
                 for entry in self._view.entries(last):
                     await _send(socket, entry)
                     last = entry.id
+                advice = self._view.advice()
+                if advice is not None and advice != told:
+                    await _send(socket, advice)
+                    told = advice
                 if time.monotonic() >= panel_due:
                     await _send(socket, self._view.panel(self._clock.now_ns()))
                     panel_due = time.monotonic() + PANEL_PERIOD_S
@@ -180,5 +188,5 @@ def _sequence(scene: Scene) -> int:
     return 0 if scene.frame is None else scene.frame.sequence
 
 
-async def _send(socket: WebSocket, message: Hello | Panel | Entry) -> None:
+async def _send(socket: WebSocket, message: Hello | Panel | Entry | AdviceNews) -> None:
     await socket.send_text(msgspec.json.encode(message).decode())

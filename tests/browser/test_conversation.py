@@ -7,7 +7,7 @@ import pytest
 
 from fakes.console_world import ConsoleWorld
 from fakes.table_picture import make_target
-from support.console_page import picture_shown, say
+from support.console_page import box_of, picture_shown, say
 from support.waiting import wait_until
 
 pytestmark = pytest.mark.browser
@@ -144,3 +144,35 @@ def test_each_process_and_each_contact_is_shown(world: ConsoleWorld, open_page: 
     page.get_by_role("status", name="Recorder").get_by_text("18,204 messages").wait_for()
     world.camera.close()
     processes.get_by_role("row", name="camera").get_by_text("gone").wait_for()
+
+
+def test_advice_stands_beside_the_target_and_a_veto_takes_confirm_away(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    world.take_picture(SECOND)
+    world.dialogue.show(make_target("t-1", SECOND))
+    page = open_page()
+    confirm = page.get_by_role("button", name="Confirm t-1")
+    confirm.wait_for()
+    region = page.get_by_role("region", name="Advice")
+    before = [box_of(page.get_by_role("button", name=name)) for name in ("Confirm", "Send")]
+    world.dialogue.advise("t-0", refusal="of a target that is not seen")
+    world.dialogue.advise("t-1", caution="looks like <b>glass</b>", unchecked="flame")
+    region.get_by_text("looks like <b>glass</b>").wait_for()  # as text, never as markup
+    region.get_by_text("1 check was not made in full").click()
+    region.get_by_text("veto: flame").wait_for()
+    assert confirm.is_enabled()
+
+    world.dialogue.advise("t-1", caution="looks like glass", refusal="I see 'person' there")
+    region.get_by_role("listitem", name="veto").get_by_text("I see 'person' there").wait_for()
+    assert confirm.is_disabled()
+    assert confirm.get_attribute("title") == "I see 'person' there"
+    texts = region.get_by_role("listitem").all_inner_texts()
+    assert [text.lower() for text in texts] == ["i see 'person' there", "looks like glass"]
+    after = [box_of(page.get_by_role("button", name=name)) for name in ("Confirm", "Send")]
+    assert before == after
+
+    world.dialogue.show(make_target("t-2", SECOND))
+    page.get_by_role("button", name="Confirm t-2").wait_for()
+    assert page.get_by_role("button", name="Confirm t-2").is_enabled()
+    assert region.get_by_role("listitem").count() == 0

@@ -18,6 +18,7 @@ from w2c import topics
 from w2c.bus import CallContext, InProcessBus, InProcessHub
 from w2c.errors import RefusedError
 from w2c.messages import (
+    Advice,
     CameraFrame,
     CameraView,
     ConfirmRequest,
@@ -27,12 +28,14 @@ from w2c.messages import (
     Health,
     PointRequest,
     RecorderStatus,
+    Remark,
     RobotState,
     SayRequest,
     StopReply,
     StopRequest,
     Target,
     Turn,
+    Unchecked,
 )
 from w2c.messages.robot import DriverMode
 
@@ -58,6 +61,30 @@ class FakeDialogue:
         """Make this the current target."""
         self.current = target.target_id
         self.bus.publish(topics.TARGET, target)
+
+    def advise(
+        self, target_id: str, *, caution: str = "", refusal: str = "", unchecked: str = ""
+    ) -> None:
+        """Publish advice on a target; the remarks in another order than their importance."""
+        remarks = []
+        if caution:
+            remarks.append(
+                Remark(kind="material", level="caution", text=caution, source="grounding")
+            )
+        if refusal:
+            remarks.append(Remark(kind="veto", level="veto", text=refusal, source="grounding"))
+        self.bus.publish(
+            topics.ADVICE,
+            Advice(
+                stamp_ns=1,
+                target_id=target_id,
+                frame_stamp_ns=1,
+                remarks=remarks,
+                unchecked=[Unchecked(check="veto", reason=unchecked)] if unchecked else [],
+                refusal=refusal,
+                seconds=0.3,
+            ),
+        )
 
     def turn(self, text: str, module: str, reply: str, *, ok: bool = True) -> Turn:
         """Publish and return one exchange."""

@@ -1,6 +1,7 @@
 // @ts-check
 /** The page: wires camera, chat, stop and panels together. */
 
+import { showAdvice } from "./advice.js";
 import { Camera } from "./camera.js";
 import { Chat } from "./chat.js";
 import { Connection } from "./connection.js";
@@ -20,6 +21,8 @@ let lastEntry = 0;
 let confirming = false;
 /** @type {import("./panels.js").Target | null} */
 let target = null;
+/** @type {import("./advice.js").Advice | null} the last that was told, on whatever target */
+let advice = null;
 
 const camera = new Camera({
   point: (u, v, stamp) => {
@@ -67,6 +70,9 @@ function receiveNews(news) {
     showPanels(news);
     stop.follow(news.robot, news.controller);
     showTarget();
+  } else if (news.type === "advice") {
+    advice = news;
+    showTarget();
   } else {
     lastEntry = news.id;
     if (news.type === "turn") chat.showTurn(news);
@@ -94,7 +100,12 @@ function setHeard(stream, open) {
 function showTarget() {
   const marker = camera.marker;
   const connected = heard.camera && heard.news;
-  confirmButton.disabled = marker === null || marker.state !== "proposed" || !connected || confirming;
+  const said = marker?.state === "proposed" && advice?.target_id === marker.target_id ? advice : null;
+  const vetoed = said !== null && said.refusal !== "";
+  confirmButton.disabled =
+    marker === null || marker.state !== "proposed" || !connected || confirming || vetoed;
+  confirmButton.title = vetoed ? said.refusal : "";
+  showAdvice(said);
   confirmButton.textContent = marker?.state === "proposed" ? `Confirm ${shortId(marker.target_id)}` : "Confirm";
   const name = byId("target-name", HTMLElement);
   const words = byId("target-words", HTMLElement);

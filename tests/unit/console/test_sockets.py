@@ -9,7 +9,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from fakes.console_operator import Page
 from fakes.table_picture import make_target
-from w2c.messages import Turn
+from w2c.messages import Advice, Remark, Turn
 
 
 def unpack(packet: bytes) -> tuple[dict[str, Any], bytes]:
@@ -71,3 +71,27 @@ def test_news_begin_where_the_page_left_off(page: Page) -> None:
     assert chat({"boot": boot, "after": 2})[1] == ["three"]
     # Numbers of an earlier start of the console mean nothing now.
     assert chat({"boot": "another", "after": 2})[1] == ["one", "two", "three"]
+
+
+def test_advice_is_told_at_once_and_only_when_it_changes(page: Page) -> None:
+    def advise(text: str) -> None:
+        remark = Remark(
+            kind="material", level="caution", text=text, source="grounding", value=0.5, limit=0.2
+        )
+        page.model.on_advice(
+            Advice(stamp_ns=1, target_id="t", frame_stamp_ns=1, remarks=[remark], seconds=0.1)
+        )
+
+    with page.client.websocket_connect("ws://localhost:8080/ws/news") as socket:
+        socket.send_text("{}")
+        assert [socket.receive_json()["type"] for _ in range(2)] == ["hello", "panel"]
+        advise("glass")
+        while (news := socket.receive_json())["type"] != "advice":
+            assert news["type"] == "panel"
+        assert news["remarks"][0]["numbers"] == "0.5, limit 0.2"
+        advise("glass")
+        for text in ("one", "two"):  # each wakes the stream
+            turn = Turn(stamp_ns=1, text=text, module="none", reply="", ok=True, seconds=0.0)
+            page.model.on_turn(turn, 0)
+            while (news := socket.receive_json())["type"] != "turn":
+                assert news["type"] == "panel"
