@@ -33,6 +33,7 @@ from w2c.messages import (
     Turn,
 )
 from w2c_evaluation.scenarios.eyewitness import Touching
+from w2c_evaluation.scenarios.scenario import Meaning, Place, Prompt, Scenario
 
 SIZE = (1280, 720)
 INTRINSICS = Intrinsics(1000.0, 1000.0, 640.0, 360.0)
@@ -64,6 +65,23 @@ class Seen:
     owner: str
     point: Vector
     normal: Vector
+
+
+SCENARIO = Scenario(
+    "a",
+    (
+        Prompt(
+            "Place your right hand on top of the book",
+            Meaning("right_hand", "contact", "absolute", {"book": "book"}),
+            Place("near the middle of the book", "book", spread=(0.12, 0.12, 0.0)),
+        ),
+        Prompt(
+            "with your left hand, reach for the cup",
+            Meaning("left_hand", "reach", "absolute", {"cup": "cup"}),
+            Place("the middle of the cup", "cup"),
+        ),
+    ),
+)
 
 
 class FlatWitness:

@@ -11,7 +11,7 @@ from w2c.config import parse
 from w2c.logs import configure_logs
 from w2c_evaluation.pool import ResultFile
 from w2c_evaluation.results import make_results, origin, write_results
-from w2c_evaluation.scenarios.catalogue import SCENARIOS, find_scenario
+from w2c_evaluation.scenarios.experiments import EXPERIMENTS, find_experiment
 from w2c_evaluation.scenarios.film import make_strip
 from w2c_evaluation.scenarios.record import RunResult
 from w2c_evaluation.scenarios.report import by_case, describe, format_table, make_rows
@@ -28,7 +28,7 @@ class ScenariosConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Of the first layout."""
     seeds: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 1
     """How many layouts of each scenario."""
-    scenarios: tuple[str, ...] = tuple(SCENARIOS)
+    scenarios: tuple[str, ...] = tuple(EXPERIMENTS)
     """Which ones: a b c d."""
     boxes: Literal["model", "truth"] = "model"
     """Who finds things in pictures: the grounding service, or the simulator's truth."""
@@ -54,7 +54,7 @@ def evaluate(arguments: list[str] | None = None) -> int:
     Raises ConfigError for a scenario that does not exist.
     """
     config = parse(ScenariosConfig, arguments or [], program="w2c evaluate scenarios")
-    chosen = [find_scenario(name) for name in config.scenarios]
+    chosen = [find_experiment(name) for name in config.scenarios]
     directory = Path(
         config.run_directory or f"runs/{time.strftime('%Y-%m-%d_%H-%M-%S')}-scenarios"
     ).resolve()
@@ -64,20 +64,20 @@ def evaluate(arguments: list[str] | None = None) -> int:
     file = ResultFile(directory / "runs.jsonl", question, RunResult)
     done = {(r.scenario, r.seed): r for r in file.start(resume=config.resume)}
     wanted = [
-        (scenario, seed)
+        (experiment, seed)
         for seed in range(config.seed, config.seed + config.seeds)
-        for scenario in chosen
+        for experiment in chosen
     ]
-    for scenario, seed in wanted:
-        if (scenario.name, seed) in done:
+    for experiment, seed in wanted:
+        if (experiment.name, seed) in done:
             continue
-        run_directory = directory / f"{scenario.name}-{seed}"
+        run_directory = directory / f"{experiment.name}-{seed}"
         options = RunOptions(run_directory, config.boxes, config.words, config.keep)
-        result = run_scenario(scenario, seed, options)
+        result = run_scenario(experiment, seed, options)
         file.add(result)
-        done[scenario.name, seed] = result
+        done[experiment.name, seed] = result
         print(describe(result), flush=True)
-    results = [done[scenario.name, seed] for scenario, seed in wanted]
+    results = [done[experiment.name, seed] for experiment, seed in wanted]
     return _report(config, directory, results)
 
 
@@ -93,7 +93,7 @@ def _report(config: ScenariosConfig, directory: Path, results: list[RunResult]) 
     images = Path(config.image) if config.image else directory
     for name, runs in by_case(results).items():
         shown = next((run for run in runs if run.succeeded), runs[0])
-        if name in SCENARIOS:
+        if name in EXPERIMENTS:
             make_strip(Path(shown.images), images / f"scenario_{name}.jpg")
     print(f"\n{tables}\nall of it: {directory}")
     good = sum(result.succeeded for result in results)

@@ -32,7 +32,8 @@ SELF_OVERLAP_M = 0.005
 """The robot's shapes are convex hulls, a little larger than what they stand for"""
 DISPLACED_M = 0.01
 LOWEST_BASE_M = 0.65
-MOST_TILT_RAD = 0.8
+MOST_TILT_RAD = 1.2
+"""Of the pelvis: a robot that leans far tilts it by 0.8"""
 STILL_M = 0.03
 """A hand that moves farther before anything was confirmed moved by itself"""
 

@@ -20,6 +20,7 @@ from w2c.system import SystemFile
 from w2c_evaluation.demo.system import running_system
 from w2c_evaluation.scenarios.cause import find_cause
 from w2c_evaluation.scenarios.conversation import Conversation
+from w2c_evaluation.scenarios.experiments import Experiment
 from w2c_evaluation.scenarios.eyewitness import TruthLog
 from w2c_evaluation.scenarios.film import Film
 from w2c_evaluation.scenarios.judge import REACHED_M, Robot, Verdict, judge
@@ -46,15 +47,17 @@ class RunOptions:
     """Keep recordings of successes too"""
 
 
-def run_scenario(scenario: Scenario, seed: int, options: RunOptions) -> RunResult:
+def run_scenario(experiment: Experiment, seed: int, options: RunOptions) -> RunResult:
     """Play a scenario once and judge it. A failure is a result, not an error."""
     start = time.monotonic()
     shutil.rmtree(options.directory, ignore_errors=True)
     options.directory.mkdir(parents=True)
-    played, verdict = Played(), None
+    scenario, played, verdict = Scenario(experiment.name, ()), Played(), None
     try:
         scene = options.directory / "scene.json"
-        log.info("scenario %s, seed %d: %s", scenario.name, seed, scenario.draw_layout(seed, scene))
+        layout = experiment.draw_layout(seed, scene)
+        log.info("scenario %s, seed %d: %s", experiment.name, seed, layout)
+        scenario = experiment.read(scene)
         played, verdict = _play(scenario, seed, scene, options)
     except W2CError as error:
         played.system_problem = str(error)

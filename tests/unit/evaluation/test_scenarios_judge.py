@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fakes.scenario_world import SCENARIO
 from w2c_evaluation.scenarios.cause import find_cause, overlap
 from w2c_evaluation.scenarios.eyewitness import Sample, Wanted
 from w2c_evaluation.scenarios.judge import Robot, Verdict, judge
 from w2c_evaluation.scenarios.record import Motion, Played, PromptRun, Understood
 from w2c_evaluation.scenarios.report import format_table, make_rows, wilson
 from w2c_evaluation.scenarios.run import conclude
-from w2c_evaluation.scenarios.scenario_a import SCENARIO
 
 UP = np.array([0.0, 0.0, 1.0])
 BOOK = Wanted(np.array([0.5, -0.2, 0.84]), UP, "book")
@@ -172,7 +172,7 @@ def test_a_thing_that_nobody_named_must_stay_where_it_is() -> None:
 
 @pytest.mark.parametrize(
     "base",
-    [(0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.9, 0.0, np.sin(0.5), 0.0, np.cos(0.5))],
+    [(0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.9, 0.0, np.sin(0.7), 0.0, np.cos(0.7))],
 )
 def test_a_robot_that_is_low_or_tilted_has_fallen(base: tuple[float, ...]) -> None:
     found = verdict({28: sample(28, base=np.array(base))})

@@ -7,15 +7,15 @@ import cv2
 import numpy as np
 import pytest
 
-from fakes.scenario_world import THINGS, FakeProduct, FlatWitness
+from fakes.scenario_world import SCENARIO, THINGS, FakeProduct, FlatWitness
 from w2c import topics
 from w2c.bus.inprocess import InProcessHub
 from w2c.errors import ConfigError, RefusedError
 from w2c.geometry import Matrix
 from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest, GroundingRequest
 from w2c_evaluation.scenarios import commands
-from w2c_evaluation.scenarios.catalogue import SCENARIOS, find_scenario
 from w2c_evaluation.scenarios.conversation import Conversation
+from w2c_evaluation.scenarios.experiments import EXPERIMENTS, Experiment, find_experiment
 from w2c_evaluation.scenarios.eyewitness import TruthLog
 from w2c_evaluation.scenarios.film import Film, make_strip
 from w2c_evaluation.scenarios.judge import Robot, judge
@@ -23,7 +23,6 @@ from w2c_evaluation.scenarios.phrase_book import PhraseBook
 from w2c_evaluation.scenarios.record import Played, RunResult
 from w2c_evaluation.scenarios.run import RunOptions, conclude
 from w2c_evaluation.scenarios.scenario import Scenario
-from w2c_evaluation.scenarios.scenario_a import SCENARIO
 from w2c_evaluation.scenarios.scripted_words import ScriptedWords, find_span
 from w2c_evaluation.scenarios.speaker import Yes
 from w2c_evaluation.scenarios.true_boxes import TrueGrounding, see
@@ -177,9 +176,10 @@ def test_a_study_goes_on_where_it_was(
 ) -> None:
     asked: list[tuple[str, int]] = []
 
-    def run(scenario: Scenario, seed: int, options: RunOptions) -> RunResult:
-        asked.append((scenario.name, seed))
+    def run(experiment: Experiment, seed: int, options: RunOptions) -> RunResult:
+        asked.append((experiment.name, seed))
         assert (options.boxes, options.words) == ("truth", "model")
+        scenario = Scenario(experiment.name, ())
         return conclude(scenario, seed, Played(system_problem="nothing runs here"), None)
 
     monkeypatch.setattr(commands, "run_scenario", run)
@@ -197,6 +197,6 @@ def test_a_study_goes_on_where_it_was(
 
 
 def test_an_unknown_scenario_names_the_known_ones() -> None:
-    with pytest.raises(ConfigError, match="choose of: a"):
-        find_scenario("z")
-    assert all(scenario.name == name for name, scenario in SCENARIOS.items())
+    with pytest.raises(ConfigError, match="choose of: a, b, c, d"):
+        find_experiment("z")
+    assert all(experiment.name == name for name, experiment in EXPERIMENTS.items())
