@@ -1,12 +1,14 @@
 """Perturbations do what they say, and the controller is not told."""
 
+import msgspec
 import numpy as np
 import pytest
 
 from w2c.errors import ConfigError
 from w2c.messages import Array
-from w2c_sim_robot.perturbation import Perturbation
+from w2c_sim_robot.perturbation import Perturbation, raise_scene
 from w2c_sim_robot.physics import Simulator
+from w2c_sim_robot.scenes.scenario_a import scenario_a
 from w2c_sim_robot.study import Block, loaded_description, study_robot
 
 GRAVITY = 9.81
@@ -102,6 +104,7 @@ def test_a_block_holds_the_hand_up() -> None:
         ({"hand_mass": (-1.0, 0.0)}, "hand mass -1 kg"),
         ({"sole_pitch": (0.5, 0.0)}, "sole pitch 0.5 rad"),
         ({"stiffness": float("nan")}, "stiffness scale nan"),
+        ({"ball_friction": 0.01}, "ball_friction scale 0.01"),
     ],
 )
 def test_what_is_no_robot_is_refused(values: dict[str, Array], words: str) -> None:
@@ -114,3 +117,21 @@ def test_a_slippery_ball_leaves_the_feet_their_grip() -> None:
     ball = usual.geom_bodyid == usual.body("right_hand_frame").id
     assert slippery.geom_friction[ball, 0] == pytest.approx([0.3])
     assert slippery.geom_friction[~ball].tolist() == usual.geom_friction[~ball].tolist()
+
+
+def test_a_raised_scene_leaves_what_is_loose_on_the_floor() -> None:
+    scene = scenario_a()
+    ball = msgspec.structs.replace(scene.object("cup"), name="ball", position=(1.0, 0.5, 0.0))
+    scene = msgspec.structs.replace(scene, objects=(*scene.objects, ball))
+    raised = raise_scene(scene, 0.02)
+    moved = [
+        new.position[2] - old.position[2]
+        for old, new in zip(scene.objects, raised.objects, strict=True)
+    ]
+    assert moved == pytest.approx([*(len(moved) - 1) * [0.02], 0.0])
+
+
+def test_a_block_is_raised_too() -> None:
+    block = Block(centre=(0.55, -0.3, 0.45), half_size=(0.3, 0.3, 0.45))
+    model = study_robot(Perturbation(table_height=0.05), (block,)).model
+    assert model.geom("block_0").pos[2] == pytest.approx(0.5)

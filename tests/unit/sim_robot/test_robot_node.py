@@ -8,35 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from support.machines import ScriptedClock
 from support.waiting import wait_until
 from w2c import topics
 from w2c.bus.inprocess import InProcessBus, InProcessHub
 from w2c.clock import Clock, RealClock
-from w2c.errors import ConfigError
-from w2c.messages import Array, Empty, JointCommand, RobotState, StopRequest
+from w2c.errors import ConfigError, RefusedError
+from w2c.messages import Array, Empty, JointCommand, PushRequest, RobotState, StopRequest
 from w2c_sim_robot.config import RobotConfig
 from w2c_sim_robot.node import RobotNode
+from w2c_sim_robot.sensor_errors import ForceTorqueErrors, ImuErrors, JointErrors, SensorErrors
 
 Policy = Callable[[RobotState], Array]
-
-
-class ScriptedClock:
-    """A clock that jumps to each deadline and lets the test act there, in the node's own thread."""
-
-    def __init__(self, at_tick: Callable[[int], None]) -> None:
-        self._now_ns = 0
-        self._at_tick = at_tick
-        self._sleeps = 0
-
-    def now_ns(self) -> int:
-        """Return the time of the last deadline [ns]."""
-        return self._now_ns
-
-    def sleep_until(self, deadline_ns: int) -> None:
-        """Jump there; the test acts."""
-        self._now_ns = deadline_ns
-        self._at_tick(self._sleeps)
-        self._sleeps += 1
 
 
 @contextmanager
@@ -111,13 +94,26 @@ def test_in_lock_step_time_stands_still_until_the_answer_comes() -> None:
     assert [state.mode for state in states] == ["holding"] + 19 * ["tracking"]
 
 
+ALL_ERRORS = SensorErrors(
+    position=JointErrors(bias=1e-3, delay_ms=4.0, dropout=0.1),
+    soles=ForceTorqueErrors(force_bias=5.0, dropout=0.2),
+    imu=ImuErrors(orientation_noise=1e-3, delay_ms=10.0),
+)
+"""Beside ordinary noise"""
+
+
 def test_in_lock_step_two_runs_are_identical_to_the_bit() -> None:
+    """With everything that draws random numbers, and a push that names its tick."""
     runs = []
-    for _ in range(2):
+    for seed, ticks in ((7, 50), (7, 50), (8, 3)):
         hub = InProcessHub()
-        with running(hub, lock_step=True, noise=1.0, seed=7):
-            runs.append(answer(hub.connect("controller"), 100, sway))
-    for first, second in zip(*runs, strict=True):
+        controller, judge = hub.connect("controller"), hub.connect("evaluation")
+        with running(hub, lock_step=True, noise=1.0, sensors=ALL_ERRORS, seed=seed):
+            force = np.array([0.0, 200.0, 0.0])
+            judge.call(topics.PUSH, PushRequest(force=force, duration_s=0.05, tick=20))
+            runs.append(answer(controller, ticks, sway))
+    assert runs[0][2].position.tolist() != runs[2][2].position.tolist()
+    for first, second in zip(*runs[:2], strict=True):
         for name in RobotState.__struct_fields__:
             a, b = getattr(first, name), getattr(second, name)
             same = a.tobytes() == b.tobytes() if isinstance(a, np.ndarray) else a == b
@@ -216,5 +212,82 @@ def test_a_missing_scene_is_a_clear_error(tmp_path: Path) -> None:
     with (
         pytest.raises(ConfigError, match="no scene file"),
         configured(InProcessHub(), RealClock(), scene=str(tmp_path / "none.json")),
+    ):
+        pass
+
+
+def test_a_push_by_a_call_moves_the_robot_from_its_tick_on() -> None:
+    hub = InProcessHub()
+    controller, judge = hub.connect("controller"), hub.connect("evaluation")
+    with running(hub, lock_step=True) as node:
+        force = np.array([2000.0, 0.0, 0.0])
+        assert judge.call(topics.PUSH, PushRequest(force=force, tick=5)).message.tick == 5
+        states = answer(controller, 12, lambda state: state.command)
+        with pytest.raises(RefusedError, match="tick 3 on is too late"):
+            judge.call(topics.PUSH, PushRequest(force=force, tick=3))
+        with pytest.raises(RefusedError, match="no body 'table'"):
+            judge.call(topics.PUSH, PushRequest(force=force, link="table"))
+        now = judge.call(topics.PUSH, PushRequest(force=force, link="head_2_link")).message.tick
+        assert now == node.simulator.tick
+    speeds = [float(np.abs(state.velocity).max()) for state in states]
+    assert max(speeds[:6]) < 0.05  # settling
+    assert speeds[8] > 0.2
+
+
+def test_a_robot_with_other_flags_is_another_robot() -> None:
+    """Every perturbation reaches the simulation, none the description."""
+    flags = {
+        "stiffness_scale": 0.5,
+        "friction_scale": 0.5,
+        "ball_friction_scale": 0.5,
+        "mass_scale": 1.1,
+        "hand_mass": (2.0, 3.0),
+        "sole_pitch": (0.02, 0.0),
+    }
+    hub = InProcessHub()
+    with configured(hub, RealClock(), lock_step=True) as node:
+        nominal, described = node.simulator.model, node.machine.description
+        still = node.simulator.state()
+    with configured(hub, RealClock(), lock_step=True, **flags) as node:
+        model = node.simulator.model
+        assert node.machine.description.urdf == described.urdf
+        wrist = node.simulator.state().left_wrist_wrench
+    assert model.actuator_gainprm[0, 0] == 0.5 * nominal.actuator_gainprm[0, 0]
+    ball, foot = (
+        int(model.body(name).geomadr[0]) for name in ("right_hand_frame", "left_sole_link")
+    )
+    assert model.geom_friction[ball, 0] == pytest.approx(0.25 * nominal.geom_friction[ball, 0])
+    assert model.geom_friction[foot, 0] == pytest.approx(0.5 * nominal.geom_friction[foot, 0])
+    robot_mass = nominal.body_mass.sum()
+    assert model.body_mass.sum() == pytest.approx(1.1 * robot_mass + 5.0)
+    assert model.geom_quat[foot].tolist() != nominal.geom_quat[foot].tolist()
+    assert np.linalg.norm(still.left_wrist_wrench[:3]) < 0.5
+    assert np.linalg.norm(wrist[:3]) == pytest.approx(2.0 * 9.81, abs=0.5)
+
+
+def test_a_raised_scene_is_raised_in_the_simulation(tmp_path: Path) -> None:
+    from w2c_sim_robot.scenes.scenario_a import scenario_a
+    from w2c_sim_robot.scenes.scene import save
+
+    scene, path = scenario_a(), tmp_path / "scene.json"
+    save(scene, path)
+    with configured(InProcessHub(), RealClock(), scene=str(path), table_height=0.03) as node:
+        found = node.simulator.truth().scene["cup"][2]
+    assert found == pytest.approx(scene.object("cup").position[2] + 0.03)
+
+
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        ({"hand_mass": (0.0, 80.0)}, "hand mass 80 kg is outside 0 to 50 kg"),
+        ({"sole_pitch": (0.3, 0.0)}, "sole pitch 0.3 rad is beyond"),
+        ({"table_height": 0.5}, "table height 0.5 m is beyond 0.2 m"),
+        ({"table_height": float("nan")}, "table height nan"),
+    ],
+)
+def test_a_perturbation_beyond_its_limits_is_refused(flags: dict[str, object], words: str) -> None:
+    with (
+        pytest.raises(ConfigError, match=words),
+        configured(InProcessHub(), RealClock(), **flags),
     ):
         pass
