@@ -9,29 +9,43 @@ import numpy.typing as npt
 
 from w2c.depth import decode_depth
 from w2c.errors import RefusedError
-from w2c.geometry import Intrinsics, Matrix
+from w2c.geometry import Intrinsics
 from w2c.messages import Array, CameraFrame
+from w2c.stance import Stance
+from w2c_perception.pose import CameraPose
 
 MAX_GAP_NS = 100_000_000
 """Joint angles further apart are not interpolated: the robot may have gone there and back."""
+
+CAMERA_REACH = 2.0
+"""A joint that is off by an angle moves what the camera sees by no more than this times the
+angle [m]"""
+TYPICAL_DEPTH = 1.0
+"""Of what a hand is sent to, where depth is not known [m]"""
 
 
 class View:
     """One picture with its depth, and where the camera and the arms were."""
 
     def __init__(
-        self, frame: CameraFrame, world_from_camera: Matrix, arms: Array, pose_error: float
+        self, frame: CameraFrame, pose: CameraPose, velocity: Array, angle_error: float = 0.0
     ) -> None:
+        """Take a picture.
+
+        Args:
+            frame: as it came.
+            pose: of the camera then.
+            velocity: (n,) of the joints then [rad/s].
+            angle_error: how far any joint angle may be off, for not being measured then [rad].
+        """
+        self.frame = frame
         self.stamp_ns = frame.stamp_ns
         self.width, self.height = frame.width, frame.height
         self.intrinsics = Intrinsics(*frame.intrinsics)
-        self.world_from_camera = world_from_camera
-        self.arms = arms
-        """(n, 2, 3) the bones of the robot's arms then, in the world [m]"""
-        self.pose_error = pose_error
-        """How far off the camera may be, from the time between the joint angles [m]"""
+        self.pose = pose
+        self.velocity = velocity
+        self.angle_error = angle_error
         self.depth_unit = frame.depth_unit
-        self._encoded = frame.depth
 
     def unpack_depth(self) -> npt.NDArray[np.float32]:
         """Return the depth (h, w) [m], 0 = unknown. Not kept: unpacked it is fifty times as large.
@@ -39,9 +53,26 @@ class View:
         Raises:
             MessageError: the camera sent something else.
         """
-        if not self._encoded:
+        if not self.frame.depth:
             return np.zeros((self.height, self.width), np.float32)
-        return decode_depth(self._encoded, self.width, self.height, self.depth_unit)
+        return decode_depth(self.frame.depth, self.width, self.height, self.depth_unit)
+
+    def blur(self, depth: npt.NDArray[np.float32], u: float, v: float, lag_s: float) -> float:
+        """Return how far the picture moved at a pixel within a time [px]; 0 outside of it."""
+        inside = 0.0 <= u < self.width and 0.0 <= v < self.height
+        if not inside or lag_s <= 0.0:
+            return 0.0
+        z = float(depth[int(v), int(u)]) or TYPICAL_DEPTH
+        return lag_s * self.pose.pixel_speed(self.velocity, self.intrinsics, u, v, z)
+
+    def pose_error(self, point: Array, joint_error: float) -> float:
+        """Return how far off a point (3,) may be, for where the camera was [m].
+
+        Args:
+            point: in the world [m].
+            joint_error: constant error that each joint angle may have [rad].
+        """
+        return self.pose.error(point, joint_error) + CAMERA_REACH * self.angle_error
 
 
 class ViewBuffer:
@@ -103,36 +134,47 @@ class ViewBuffer:
 
 
 @dataclass(frozen=True)
-class InterpolatedPosition:
-    """Joint angles between two measurements."""
+class InterpolatedState:
+    """The robot between two measurements."""
 
     position: Array
     """(n,) [rad]"""
+    velocity: Array
+    """(n,) from one measurement to the other [rad/s]"""
     uncertainty: float
     """How far any angle may be off, for not being measured at that instant [rad]"""
+    stance: Stance
+    """The feet that stand at both"""
 
 
 class StateBuffer:
-    """Joint angles of the last seconds."""
+    """Joint angles and stances of the last seconds."""
 
     def __init__(self, history_s: float) -> None:
         self._history_ns = round(history_s * 1e9)
         self._stamps: deque[int] = deque()
         self._positions: deque[Array] = deque()
+        self._stances: deque[Stance | None] = deque()
 
-    def add(self, stamp_ns: int, position: Array) -> bool:
-        """Remember joint angles (n,) [rad]. Returns False where time jumped back: memory is new."""
+    def add(self, stamp_ns: int, position: Array, stance: Stance | None) -> bool:
+        """Remember joint angles (n,) [rad] and the stance, None where no foot stands.
+
+        Returns False where time jumped back: memory is new.
+        """
         continues = not self._stamps or stamp_ns > self._stamps[-1]
         if not continues:
             if stamp_ns == self._stamps[-1]:
                 return True
             self._stamps.clear()
             self._positions.clear()
+            self._stances.clear()
         self._stamps.append(stamp_ns)
         self._positions.append(position)
+        self._stances.append(stance)
         while stamp_ns - self._stamps[0] > self._history_ns:
             self._stamps.popleft()
             self._positions.popleft()
+            self._stances.popleft()
         return continues
 
     @property
@@ -140,11 +182,11 @@ class StateBuffer:
         """Return the stamp of the newest joint angles, -1 before the first."""
         return self._stamps[-1] if self._stamps else -1
 
-    def at(self, stamp_ns: int) -> InterpolatedPosition:
-        """Return the joint angles at an instant, linear between the two measurements around it.
+    def at(self, stamp_ns: int) -> InterpolatedState:
+        """Return the robot at an instant, linear between the two measurements around it.
 
         Raises:
-            RefusedError: it is before the first, after the last, or in a gap.
+            RefusedError: it is before the first, after the last, in a gap, or no foot stood.
         """
         if not self._stamps:
             raise RefusedError("no joint angles have come yet; is the robot running?")
@@ -154,18 +196,32 @@ class StateBuffer:
                 f"{stamp_ns} ns is outside"
             )
         after = bisect_left(self._stamps, stamp_ns)
-        if self._stamps[after] == stamp_ns:
-            return InterpolatedPosition(self._positions[after], 0.0)
-        start, end = self._stamps[after - 1], self._stamps[after]
-        if end - start > MAX_GAP_NS:
+        exact = self._stamps[after] == stamp_ns
+        before = max(0, after - 1)
+        start, end = self._stamps[before], self._stamps[after]
+        if end - start > MAX_GAP_NS and not exact:
             raise RefusedError(
                 f"no joint angles for {(end - start) * 1e-6:.0f} ms around {stamp_ns} ns, limit "
                 f"{MAX_GAP_NS * 1e-6:.0f} ms"
             )
-        share = (stamp_ns - start) / (end - start)
-        before_position, after_position = self._positions[after - 1], self._positions[after]
-        position = (1.0 - share) * before_position + share * after_position
-        return InterpolatedPosition(position, self._bend(after) * 0.5 * share * (1.0 - share))
+        step = self._positions[after] - self._positions[before]
+        velocity = step / max(1e-9, 1e-9 * (end - start))
+        share = (stamp_ns - start) / (end - start) if end > start else 1.0
+        return InterpolatedState(
+            position=self._positions[after] - (1.0 - share) * step,
+            velocity=velocity,
+            uncertainty=0.0 if exact else self._bend(after) * 0.5 * share * (1.0 - share),
+            stance=self._stance(after if exact else before, after),
+        )
+
+    def _stance(self, before: int, after: int) -> Stance:
+        """Return the stance with fewer feet of two: a foot that is being lifted says nothing."""
+        first, second = self._stances[before], self._stances[after]
+        if first is None or second is None or first.world != second.world:
+            raise RefusedError(
+                "no foot stood on the ground then: where the camera was cannot be known"
+            )
+        return first if sum(first.standing) < sum(second.standing) else second
 
     def _bend(self, after: int) -> float:
         """Return the largest second difference [rad] of the angles around an interval.

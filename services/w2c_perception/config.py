@@ -17,3 +17,9 @@ class PerceptionConfig(ServiceConfig, frozen=True, kw_only=True):
     """Pictures remembered at most; each takes up to 1 MB"""
     state_rate: Annotated[float, Meta(ge=5.0, le=500.0)] = 100.0
     """How often joint angles are taken from the stream of states [Hz]"""
+    joint_error: Annotated[float, Meta(ge=0.0, le=0.1)] = 0.00087
+    """Constant error that each joint angle may have [rad], 0.05 degrees: goes into the error bound
+    of what is said of the world"""
+    depth_lag: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
+    """How far apart in time colour and depth of one picture may be [s]; the simulated camera draws
+    both at once"""

@@ -1,34 +1,30 @@
-"""From a pixel with depth to a point on a surface: a plane through what the hand would touch.
+"""From a pixel with depth to a point on a surface: what a hand would touch there.
 
-The plane is the one that most points inside the footprint agree on, among those through the chosen
-point; points of another surface behind an edge have no say: the answer is never the mean of two.
+Which surface is meant, how noisy depth is there, and the largest smooth piece around the pixel that
+this noise does not contradict: its value and its slope at the pixel are the answer. Points of
+another surface behind an edge have no say: the answer is never the mean of two.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from w2c.errors import RefusedError
 from w2c.geometry import Intrinsics, Matrix, Vector, apply
-from w2c_perception import plane as planes
-from w2c_perception.plane import Depth, Plane, Points
+from w2c_perception.growing import Piece, grow
+from w2c_perception.patch import rays
+from w2c_perception.surroundings import Surroundings, look_around
+from w2c_perception.window import SMALLEST_NOISE, Depth, Seed, find_seed, noise, samples
 
-SEED_WINDOW = 2
-"""Half width of the window [px] that bridges a hole and finds the nearer side of an edge"""
-EDGE_STEP = 0.012
-"""Neighbouring depths that differ by more are different surfaces [m]"""
-GRAZING = 6.0
-"""On one surface depth may change by so many pixel widths from one pixel to the next"""
-EDGE_SHARE = 0.2
-"""A surface must fill so much of the window to be one: less is noise"""
-MIN_POINTS = 12
-MAX_MISFIT = 2 * planes.TOLERANCE
-"""Where the plane misses the chosen pixel by more, the surface is curved: the pixel is right [m]"""
-ROUGHNESS_REACH = 0.012
+COVERS = 2.0
+"""Standard deviations of the noise's share of the error bound"""
+OUTLIER = 0.012
 """What is further from the plane than this is another thing, not roughness [m]"""
 ROUGH = 0.004
+"""Root mean square distance from the plane that an operator is told of [m]"""
 STEEP = np.radians(30.0)
+MAX_BLUR = 16.0
+"""The camera moved by more between colour and depth: nobody knows what the pixel showed [px]"""
 
 
 @dataclass(frozen=True)
@@ -40,26 +36,17 @@ class Surface:
     normal: Vector
     """(3,) unit, towards the camera"""
     error_bound: float
-    """[m]"""
+    """Of the point, for a camera that is where it is thought to be [m]"""
     flatness: float
-    """Root mean square distance to the plane inside the footprint [m]"""
+    """Root mean square distance of the surface to its plane inside the footprint, without the
+    noise of depth [m]"""
     slope: float
     """Between normal and vertical [rad]"""
     extent: float
-    """Radius of the flat surface around the point [m]"""
+    """Radius of the flat surface that is seen all around the point [m]"""
+    edge_distance: float
+    """To the nearest place where the surface ends [m]; 0.25 where none is nearer"""
     warning: str
-
-
-class _Seed(NamedTuple):
-    """The pixel whose surface is meant."""
-
-    row: int
-    column: int
-    u: float
-    v: float
-    depth: float
-    moved: float
-    """How far from the pixel that was asked for [px]; 0 = it is that pixel"""
 
 
 def lift(
@@ -71,7 +58,7 @@ def lift(
     *,
     footprint: float = 0.03,
     depth_unit: float = 0.00025,
-    pose_error: float = 0.0,
+    blur: float = 0.0,
 ) -> Surface:
     """Return the surface behind a pixel.
 
@@ -83,135 +70,139 @@ def lift(
         v: down [px].
         footprint: radius of what will touch the surface [m].
         depth_unit: smallest step of the depth [m].
-        pose_error: how far off the camera itself may be [m].
+        blur: how far the picture may have moved between colour and depth [px].
 
     Raises:
-        RefusedError: outside of the picture, no depth there, or too few points around it.
+        RefusedError: outside of the picture, no depth there, too few points around it, or a camera
+            that moved too fast.
     """
-    seed = _seed(depth, intrinsics, u, v)
-    seed_point = intrinsics.point_from_pixel(seed.u, seed.v, seed.depth)
-    ray = seed_point / seed.depth
-    points = _neighbours(depth, intrinsics, seed, seed_point, footprint)
-    plane = planes.fit(points, seed_point, depth_unit)
-    plane_depth = float(plane.depth_at(ray[None])[0])
-    # On a curved surface the plane cuts through: what was measured is the better point then.
-    point = ray * plane_depth if abs(plane_depth - seed.depth) <= MAX_MISFIT else seed_point
-    distances = plane.distances(points)
-    own = distances[np.abs(distances) <= ROUGHNESS_REACH]
-    flatness = float(np.sqrt(np.mean(own**2)))
-    extent = planes.extent(depth, intrinsics, plane, point)
-    normal = world_from_camera[:3, :3] @ plane.normal
-    slope = float(np.arccos(np.clip(normal[2], -1.0, 1.0)))
-    misfit = float(np.linalg.norm(ray)) * _misfit(depth, intrinsics, plane, seed)
-    error_bound = (
-        0.5 * depth_unit
-        + 3.0 * plane.spread / np.sqrt(max(plane.support, 1))
-        + min(misfit, footprint)
-        + seed.moved * seed.depth / intrinsics.fx
-        + pose_error
-    )
+    _check(depth, u, v, blur)
+    sigma = noise(depth, u, v, depth_unit)
+    seed = find_seed(depth, u, v, intrinsics.fx, sigma)
+    piece = grow(depth, seed, intrinsics.fx, footprint, sigma)
+    z = _depth_at(piece, seed, footprint)
+    point = intrinsics.point_from_pixel(seed.u, seed.v, z)
+    normal = piece.patch.normal(seed.u, seed.v, intrinsics)
+    around = look_around(depth, intrinsics, point, normal, sigma)
+    flatness = _flatness(depth, intrinsics, point, normal, footprint, sigma)
+    error = _error_bound(intrinsics, seed, piece, point, normal, sigma, depth_unit)
+    error += _blur_error(depth, intrinsics, point, u, v, blur)
+    in_world = world_from_camera[:3, :3] @ normal
+    slope = float(np.arccos(np.clip(in_world[2], -1.0, 1.0)))
     return Surface(
         point=apply(world_from_camera, point),
-        normal=normal,
-        error_bound=float(error_bound),
+        normal=in_world,
+        error_bound=float(error),
         flatness=flatness,
         slope=slope,
-        extent=extent,
-        warning=_warning(extent, footprint, flatness, slope, moved=seed.moved > 0.0),
+        extent=around.extent,
+        edge_distance=around.edge_distance,
+        warning=_warning(around, footprint, flatness, slope, seed, blur),
     )
 
 
-def _seed(depth: Depth, intrinsics: Intrinsics, u: float, v: float) -> _Seed:
-    """Return the pixel of the nearest surface at (u, v).
-
-    On a surface that is the pixel itself. At an edge it is the closest pixel of the surface in
-    front, in a small hole the closest one beside it.
-
-    Raises:
-        RefusedError: outside of the picture, or no depth there.
-    """
+def _check(depth: Depth, u: float, v: float, blur: float) -> None:
+    """Raise RefusedError for a pixel outside of the picture, or a camera that moves too fast."""
     height, width = depth.shape
     if not (np.isfinite(u) and np.isfinite(v) and 0.0 <= u < width and 0.0 <= v < height):
         raise RefusedError(
             f"pixel ({u:g}, {v:g}) is outside of the picture, {width}x{height} px; choose one in it"
         )
-    row, column = int(v), int(u)
-    top, left = max(0, row - SEED_WINDOW), max(0, column - SEED_WINDOW)
-    window = depth[top : row + SEED_WINDOW + 1, left : column + SEED_WINDOW + 1]
-    rows, columns = np.nonzero(window > 0.0)
-    if len(rows) < EDGE_SHARE * window.size:
+    if not blur <= MAX_BLUR:
         raise RefusedError(
-            f"no depth at pixel ({column}, {row}): sky, glass, or too far; choose a surface"
+            f"the camera moved by {blur:.0f} px between colour and depth, limit {MAX_BLUR:.0f}; "
+            "choose the pixel in a picture that was taken at rest"
         )
-    front = _front_group(window[rows, columns].astype(np.float64), window.size, intrinsics.fx)
-    away = np.hypot(rows[front] + top - row, columns[front] + left - column)
-    nearest = int(np.argmin(away))
-    chosen_row, chosen_column = int(rows[front[nearest]] + top), int(columns[front[nearest]] + left)
-    chosen_depth = float(depth[chosen_row, chosen_column])
-    if away[nearest] == 0.0:
-        return _Seed(row, column, u, v, chosen_depth, 0.0)
-    centre_u, centre_v = chosen_column + 0.5, chosen_row + 0.5
-    moved = float(np.hypot(centre_u - u, centre_v - v))
-    return _Seed(chosen_row, chosen_column, centre_u, centre_v, chosen_depth, moved)
 
 
-def _front_group(depths: Points, window_size: int, focal: float) -> list[int]:
-    """Return which of the depths (n,) belong to the surface in front: sorted, up to a jump."""
-    order = np.argsort(depths)
-    # Far away even a floor makes a step from pixel to pixel.
-    edge = max(EDGE_STEP, GRAZING * float(depths.min()) / focal)
-    groups = np.split(order, np.nonzero(np.diff(depths[order]) > edge)[0] + 1)
-    large = [group for group in groups if len(group) >= EDGE_SHARE * window_size]
-    front = large[0] if large else max(groups, key=len)
-    return [int(index) for index in front]
-
-
-def _misfit(depth: Depth, intrinsics: Intrinsics, plane: Plane, seed: _Seed) -> float:
-    """Return how far [m] the plane misses the depth of the pixel and of those beside it."""
-    rows, columns = np.mgrid[seed.row - 1 : seed.row + 2, seed.column - 1 : seed.column + 2]
-    inside = (rows >= 0) & (rows < depth.shape[0]) & (columns >= 0) & (columns < depth.shape[1])
-    rows, columns = rows[inside], columns[inside]
-    measured = depth[rows, columns].astype(np.float64)
-    same = np.abs(measured - depth[seed.row, seed.column]) <= EDGE_STEP
-    expected = plane.depth_at(planes.rays(intrinsics, rows[same], columns[same]))
-    return float(np.abs(expected - measured[same]).max())
-
-
-def _neighbours(
-    depth: Depth, intrinsics: Intrinsics, seed: _Seed, seed_point: Vector, footprint: float
-) -> Points:
-    """Return the points (n, 3) within the footprint of the seed, in the camera frame.
-
-    Raises:
-        RefusedError: fewer than a plane needs.
-    """
-    reach = max(3, int(np.ceil(footprint / seed.depth * intrinsics.fx)) + 1)
-    top, left = max(0, seed.row - reach), max(0, seed.column - reach)
-    window = depth[top : seed.row + reach + 1, left : seed.column + reach + 1]
-    stride = max(1, window.shape[0] // 40)  # a thousand points fix a plane as well as more
-    rows, columns = np.nonzero(window[::stride, ::stride] > 0.0)
-    z = window[::stride, ::stride][rows, columns].astype(np.float64)
-    points = z[:, None] * planes.rays(intrinsics, rows * stride + top, columns * stride + left)
-    radius = max(footprint, 3 * seed.depth / intrinsics.fx)
-    near = points[np.linalg.norm(points - seed_point, axis=1) <= radius]
-    if len(near) < MIN_POINTS:
+def _depth_at(piece: Piece, seed: Seed, footprint: float) -> float:
+    """Return the z-depth of the piece at the pixel [m]. Raises RefusedError where it has none."""
+    inverse = float(piece.patch.inverse_depth(seed.u, seed.v)[0])
+    if inverse <= 0.0 or abs(1.0 / inverse - seed.depth) > max(footprint, 0.1 * seed.depth):
         raise RefusedError(
-            f"only {len(near)} points with depth within {radius * 100:.1f} cm of pixel "
-            f"({seed.column}, {seed.row}), a plane needs {MIN_POINTS}; "
-            "choose a larger surface or come closer"
+            f"depth around pixel ({int(seed.u)}, {int(seed.v)}) is no surface; choose another"
         )
-    return np.asarray(near, dtype=np.float64)
+    return 1.0 / inverse
 
 
-def _warning(extent: float, footprint: float, flatness: float, slope: float, *, moved: bool) -> str:
+def _error_bound(
+    intrinsics: Intrinsics,
+    seed: Seed,
+    piece: Piece,
+    point: Vector,
+    normal: Vector,
+    sigma: float,
+    depth_unit: float,
+) -> float:
+    """Return how far from the point the truth may be [m]."""
+    z = float(point[2])
+    along = float(np.linalg.norm(point)) / z
+    of_noise = COVERS * piece.patch.deviation(seed.u, seed.v) * sigma
+    of_shape = piece.dissent * z * z
+    # A pixel that was moved sidewards moves along the surface, which is longer where it is steep.
+    facing = max(0.1, abs(float(normal @ point)) / float(np.linalg.norm(point)))
+    of_moving = seed.moved * z / intrinsics.fx / facing
+    return (
+        along * (of_noise + of_shape + max(SMALLEST_NOISE, 0.5 * depth_unit) + seed.behind)
+        + of_moving
+    )
+
+
+def _blur_error(
+    depth: Depth, intrinsics: Intrinsics, point: Vector, u: float, v: float, blur: float
+) -> float:
+    """Return how far away [m] the farthest of the points is that the pixel may have shown."""
+    if blur <= 0.0:
+        return 0.0
+    found = samples(depth, u, v, max(1.0, blur))
+    seen = found.z[:, None] * rays(intrinsics, found.u, found.v)
+    away = np.linalg.norm(seen - point, axis=1)
+    return float(away.max()) if len(away) else 0.0
+
+
+def _flatness(
+    depth: Depth,
+    intrinsics: Intrinsics,
+    point: Vector,
+    normal: Vector,
+    footprint: float,
+    sigma: float,
+) -> float:
+    """Return how uneven the surface is inside the footprint [m]."""
+    u, v = intrinsics.pixel_from_point(point)
+    found = samples(depth, u, v, max(3.0, footprint * intrinsics.fx / float(point[2])))
+    along = rays(intrinsics, found.u, found.v)
+    facing = along @ normal
+    inside = np.linalg.norm(found.z[:, None] * along - point, axis=1) <= footprint
+    off = (found.z * facing - float(normal @ point))[inside]
+    own = np.abs(off) <= max(OUTLIER, 3.0 * sigma)
+    if not own.any():
+        return 0.0
+    # What the noise of depth adds along the normal is not the surface's.
+    added = float(np.mean((sigma * facing[inside][own]) ** 2))
+    return float(np.sqrt(max(0.0, float(np.var(off[own])) - added)))
+
+
+def _warning(
+    around: Surroundings,
+    footprint: float,
+    flatness: float,
+    slope: float,
+    seed: Seed,
+    blur: float,
+) -> str:
     """Return what an operator should know, or nothing."""
     remarks = []
-    if extent < footprint:
-        remarks.append(f"near an edge: {extent * 100:.1f} cm of flat surface around the point")
+    if around.extent < footprint:
+        remarks.append(
+            f"near an edge: {around.extent * 100:.1f} cm of flat surface around the point"
+        )
     if flatness > ROUGH:
         remarks.append(f"not flat: {flatness * 1000:.0f} mm")
     if slope > STEEP:
         remarks.append(f"steep: {np.degrees(slope):.0f} degrees")
-    if moved:
+    if seed.moved > 0.0:
         remarks.append("moved to the nearest surface in front")
+    if blur >= 1.0:
+        remarks.append(f"the camera moved by {blur:.0f} px")
     return "; ".join(remarks)

@@ -15,22 +15,23 @@ from w2c.messages import (
     HeightFieldRequest,
     LiftReply,
     LiftRequest,
+    PointCloud,
+    PointCloudRequest,
     RobotState,
 )
-from w2c_perception.buffer import StateBuffer, View, ViewBuffer
+from w2c.messages.cloud import MAX_POINTS
+from w2c_perception.buffer import View, ViewBuffer
+from w2c_perception.cloud import Box, decode_colours, point_cloud
 from w2c_perception.config import PerceptionConfig
 from w2c_perception.heights import Area, height_field
-from w2c_perception.kinematics import CameraKinematics
 from w2c_perception.lift import lift
-from w2c_perception.plane import Depth
+from w2c_perception.track import RobotTrack
+from w2c_perception.window import Depth
 
 log = logging.getLogger("w2c.perception")
 
 FRAME_QUEUE = 8
 """Pictures that may wait: each must be known before an operator can point into it"""
-CAMERA_REACH = 2.0
-"""A joint that is off by an angle moves what the camera sees by no more than this times the
-angle [m]"""
 _DESCRIBE_TIMEOUT_S = 2.0
 _WAIT_FOR_STATE_S = 1.0
 
@@ -42,12 +43,13 @@ class PerceptionNode:
         self._config = config
         self._bus = bus
         self._clock = clock
-        # Held for milliseconds: by the loop that remembers, by the handlers that look.
+        # Held for microseconds: by the loop that remembers, by the handlers that look.
         self._lock = threading.Lock()
         self._views = ViewBuffer(config.history, config.max_frames)
-        self._states = StateBuffer(config.history)
-        self._kinematics: CameraKinematics | None = None
-        self._robot_boot = ""
+        self._track: RobotTrack | None = None
+        """Used by the loop alone"""
+        self._boot_id = ""
+        """Of the robot whose pictures are remembered"""
 
     def configure(self) -> None:
         """Subscribe, and answer who asks."""
@@ -55,6 +57,7 @@ class PerceptionNode:
         self._frames = self._bus.queue(topics.CAMERA_FRAME, size=FRAME_QUEUE)
         self._bus.serve(topics.LIFT, self._lift, workers=2)
         self._bus.serve(topics.HEIGHT_FIELD, self._heights)
+        self._bus.serve(topics.POINT_CLOUD, self._cloud)
 
     def run(self, stop: threading.Event) -> None:
         """Remember until `stop`."""
@@ -62,10 +65,12 @@ class PerceptionNode:
         waiting_since_ns = 0
         period_s = 1.0 / self._config.state_rate
         while not stop.is_set():
-            if self._kinematics is None:
+            track = self._track
+            if track is None:
                 self._describe(stop)
                 continue
-            self._take_state(period_s)
+            if not self._take_state(track, period_s):
+                continue
             if waiting is None:
                 waiting = self._frames.receive(0.0)
                 waiting_since_ns = self._clock.now_ns()
@@ -73,8 +78,8 @@ class PerceptionNode:
                 continue
             # A picture is placed once there are joint angles on both sides of its stamp.
             expired = self._clock.now_ns() - waiting_since_ns > _WAIT_FOR_STATE_S * 1e9
-            if waiting.message.stamp_ns <= self._states.newest_ns or expired:
-                self._remember(waiting)
+            if expired or waiting.message.stamp_ns <= track.newest_ns:
+                self._remember(waiting, track)
                 waiting = None
             stop.wait(period_s)
 
@@ -87,8 +92,9 @@ class PerceptionNode:
         """Ask the robot what it is, until it answers."""
         try:
             reply = self._bus.call(topics.DESCRIBE, Empty(), timeout_s=_DESCRIBE_TIMEOUT_S)
-            self._kinematics = CameraKinematics(reply.message)
-            log.info("robot described", extra={"joints": self._kinematics.joint_count})
+            self._track = RobotTrack(reply.message, reply.envelope.boot_id, self._config.history)
+            self._forget(reply.envelope.boot_id)
+            log.info("robot described", extra={"joints": len(reply.message.joints)})
         except CallError as error:
             log.debug("the robot does not answer yet: %s", error)
             stop.wait(0.5)
@@ -99,67 +105,95 @@ class PerceptionNode:
             self._bus.count("description refused")
             stop.wait(2.0)
 
-    def _take_state(self, timeout_s: float) -> None:
-        """Remember the newest joint angles; a robot that started anew is described anew."""
+    def _forget(self, boot_id: str) -> None:
+        """Begin with the pictures of a robot that started, or that stands elsewhere now."""
+        with self._lock:
+            self._views.clear()
+            self._boot_id = boot_id
+
+    def _take_state(self, track: RobotTrack, timeout_s: float) -> bool:
+        """Remember the newest state. Returns False where the robot started anew."""
         received = self._newest_state.wait(timeout_s)
         if received is None:
-            return
+            return True
+        if received.envelope.boot_id != track.boot_id:
+            log.info("the robot started anew")
+            self._track = None
+            self._forget("")
+            return False
         state: RobotState = received.message
-        with self._lock:
-            if received.envelope.boot_id != self._robot_boot:
-                if self._robot_boot:
-                    log.info("the robot started anew")
-                    self._views.clear()
-                    self._states = StateBuffer(self._config.history)
-                    self._kinematics = None
-                self._robot_boot = received.envelope.boot_id
-            self._states.add(state.stamp_ns, state.position)
+        world = track.world
+        try:
+            track.add(state)
+        except GeometryError as error:
+            self._bus.count("state without joint angles")
+            log.debug("%s", error)
+            return True
+        if track.world != world:
+            self._change_world(world, track)
+        return True
 
-    def _remember(self, received: Received[CameraFrame]) -> None:
+    def _change_world(self, former: int, track: RobotTrack) -> None:
+        """Say that the robot stands, or that nobody knows where it is any more."""
+        if track.world == 0:
+            log.warning("no foot on the ground: pictures have no place in the world")
+        elif former == 0:
+            # What was seen before the robot was lifted is somewhere else now.
+            log.info("the robot stands", extra={"world": track.world})
+            self._forget(track.boot_id)
+
+    def _remember(self, received: Received[CameraFrame], track: RobotTrack) -> None:
         """Place a picture in the world, keep it, and tell where it was taken from."""
         frame = received.message
         try:
-            if self._kinematics is None:
-                raise RefusedError("the robot has not been described yet")
-            with self._lock:
-                joints = self._states.at(frame.stamp_ns)
-            world_from_camera = self._kinematics.world_from_camera(joints.position)
-            arms = self._kinematics.arms_in_world(joints.position)
-        except (RefusedError, GeometryError) as error:
+            if received.envelope.robot != self._bus.robot:
+                raise GeometryError(
+                    f"picture of robot '{received.envelope.robot}', this is perception of "
+                    f"'{self._bus.robot}'"
+                )
+            view = track.place(frame)
+        except RefusedError as error:
             self._bus.count("picture without joint angles")
             log.warning("picture dropped: %s", error, extra={"stamp_ns": frame.stamp_ns})
             return
+        except GeometryError as error:
+            self._bus.count("picture refused")
+            log.warning("picture refused: %s", error, extra={"stamp_ns": frame.stamp_ns})
+            return
         with self._lock:
-            self._views.add(View(frame, world_from_camera, arms, CAMERA_REACH * joints.uncertainty))
-        view = CameraView(
+            self._views.add(view)
+        message = CameraView(
             stamp_ns=frame.stamp_ns,
-            world_from_camera=world_from_camera,
+            world_from_camera=view.pose.world_from_camera,
             intrinsics=frame.intrinsics,
             width=frame.width,
             height=frame.height,
+            robot_boot_id=track.boot_id,
         )
-        self._bus.publish(topics.CAMERA_VIEW, view, [received.as_input()])
+        self._bus.publish(topics.CAMERA_VIEW, message, [received.as_input()])
 
     def _lift(self, request: LiftRequest, _context: CallContext) -> LiftReply:
         """Answer what is behind a pixel."""
-        view, depth = self._look(request.frame_stamp_ns)
+        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
         surface = lift(
             depth,
             view.intrinsics,
-            view.world_from_camera,
+            view.pose.world_from_camera,
             request.u,
             request.v,
             footprint=request.footprint,
             depth_unit=view.depth_unit,
-            pose_error=view.pose_error,
+            blur=view.blur(depth, request.u, request.v, self._config.depth_lag),
         )
+        pose_error = view.pose_error(surface.point, self._config.joint_error)
         return LiftReply(
             point=surface.point,
             normal=surface.normal,
-            error_bound=surface.error_bound,
+            error_bound=surface.error_bound + pose_error,
             flatness=surface.flatness,
             slope=surface.slope,
             extent=surface.extent,
+            edge_distance=surface.edge_distance,
             frame_stamp_ns=view.stamp_ns,
             warning=surface.warning,
         )
@@ -168,7 +202,9 @@ class PerceptionNode:
         """Answer how high things stand in a picture."""
         view, depth = self._look(request.frame_stamp_ns)
         area = Area()
-        heights = height_field(depth, view.intrinsics, view.world_from_camera, view.arms, area)
+        heights = height_field(
+            depth, view.intrinsics, view.pose.world_from_camera, view.pose.arms, area
+        )
         return HeightField(
             stamp_ns=view.stamp_ns,
             origin=(area.x[0], area.y[0]),
@@ -176,9 +212,40 @@ class PerceptionNode:
             heights=heights,
         )
 
-    def _look(self, stamp_ns: int) -> tuple[View, Depth]:
+    def _cloud(self, request: PointCloudRequest, _context: CallContext) -> PointCloud:
+        """Answer what stands in a box."""
+        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
+        try:
+            colours = decode_colours(view.frame.jpeg, view.width, view.height)
+        except MessageError as error:
+            raise RefusedError(
+                f"the picture of {view.stamp_ns} ns has no usable colours: {error}"
+            ) from error
+        cloud = point_cloud(
+            depth,
+            colours,
+            view.intrinsics,
+            view.pose.world_from_camera,
+            Box(request.low, request.high),
+            voxel=request.voxel,
+            most=MAX_POINTS,
+        )
+        return PointCloud(
+            stamp_ns=view.stamp_ns,
+            voxel=request.voxel,
+            points=cloud.points,
+            colours=cloud.colours,
+        )
+
+    def _look(self, stamp_ns: int, robot_boot_id: str = "") -> tuple[View, Depth]:
         """Return a remembered view with its depth (h, w) [m]. Raises RefusedError."""
         with self._lock:
+            if robot_boot_id and robot_boot_id != self._boot_id:
+                raise RefusedError(
+                    f"the picture is one of robot process '{robot_boot_id}', those in memory are "
+                    f"of '{self._boot_id or 'none yet'}': the robot started anew. Choose the pixel "
+                    "in a newer picture"
+                )
             view = self._views.get(stamp_ns)
         try:
             return view, view.unpack_depth()

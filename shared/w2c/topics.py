@@ -151,6 +151,10 @@ ADVICE = Topic(
     "state", "dialogue", "advice", m.Advice, Priority.INTERACTIVE, 0.0,
     ("console", "operator", "evaluation"), drops=False,
 )  # fmt: skip
+ALLOWED_AREA = Topic(
+    "state", "dialogue", "allowed", m.AllowedArea, Priority.DATA, 0.0,
+    ("console", "operator", "evaluation"), drops=False,
+)  # fmt: skip
 MARK = Topic("event", "recorder", "mark", m.MarkRequest, Priority.DATA, 0.0, (), drops=False)
 RECORDER_STATUS = Topic(
     "state", "recorder", "status", m.RecorderStatus, Priority.DATA, 1.0, ("console", "operator")
@@ -178,6 +182,7 @@ TOPICS: tuple[Topic[Any], ...] = (
     ROBOT_STATE, JOINT_COMMAND, ROBOT_STATISTICS, CAMERA_FRAME, CAMERA_VIEW,
     CONTROLLER_STATUS, GOAL_EVENT, SAFETY_EVENT, CONTROLLER_STATISTICS, CONTROLLER_SNAPSHOT,
     TARGET, TURN, ADVICE,
+    ALLOWED_AREA,
     MARK, RECORDER_STATUS, PROCESS_TABLE, HEALTH, LOG, TRACE, TRUTH,
 )  # fmt: skip
 
@@ -210,6 +215,12 @@ LIFT = Method("perception", "lift", m.LiftRequest, m.LiftReply, OPERATORS)
 HEIGHT_FIELD = Method(
     "perception", "heights", m.HeightFieldRequest, m.HeightField, OPERATORS, timeout_s=2.0
 )
+POINT_CLOUD = Method(
+    "perception", "cloud", m.PointCloudRequest, m.PointCloud, OPERATORS, max_bytes=4_000_000
+)
+FIND_ALLOWED_AREA = Method(
+    "perception", "allowed", m.AllowedAreaRequest, m.AllowedArea, OPERATORS, timeout_s=2.0
+)
 PLACE = Method("controller", "place", m.PlaceGoal, m.GoalReply, OPERATORS)
 RELEASE = Method("controller", "release", m.ReleaseGoal, m.GoalReply, OPERATORS)
 CONTROLLER_STOP = Method("controller", "stop", m.StopRequest, m.StopReply, ALL, timeout_s=2.0)
@@ -232,7 +243,7 @@ RECORD_STATUS = Method("recorder", "status", m.Empty, m.RecorderStatus, OPERATOR
 RECORD_MARK = Method("recorder", "mark", m.MarkRequest, m.RecorderStatus, OPERATORS)
 
 METHODS: tuple[Method[Any, Any], ...] = (
-    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, PUSH, CAPTURE, PICTURE, LIFT, HEIGHT_FIELD,
+    DESCRIBE, ROBOT_STOP, ROBOT_RESUME, PUSH, CAPTURE, PICTURE, LIFT, HEIGHT_FIELD, FIND_ALLOWED_AREA, POINT_CLOUD,
     PLACE, RELEASE, CONTROLLER_STOP,
     CONTROLLER_RESUME, SNAPSHOT, PREVIEW,
     COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, RECORD_START, RECORD_STOP, RECORD_STATUS,

@@ -296,8 +296,18 @@ def all_examples() -> dict[str, m.Message]:
             intrinsics=(1.0, 1.0, 2.0, 2.0),
             width=4,
             height=4,
+            robot_boot_id="b",
         ),
-        m.LiftRequest(u=1.5, v=2.5, frame_stamp_ns=3, footprint=0.03),
+        m.LiftRequest(u=1.5, v=2.5, frame_stamp_ns=3, footprint=0.03, robot_boot_id="b"),
+        m.PointCloudRequest(
+            frame_stamp_ns=3, low=(0.0, -1.0, 0.0), high=(1.0, 1.0, 2.0), voxel=0.01
+        ),
+        m.PointCloud(
+            stamp_ns=3,
+            voxel=0.01,
+            points=np.zeros((1, 3), np.float32),
+            colours=np.zeros((1, 3), np.uint8),
+        ),
         m.LiftReply(
             point=vector,
             normal=vector,
@@ -305,6 +315,7 @@ def all_examples() -> dict[str, m.Message]:
             flatness=0.0,
             slope=0.1,
             extent=0.05,
+            edge_distance=0.07,
             frame_stamp_ns=1,
             warning="",
         ),
@@ -320,6 +331,14 @@ def all_examples() -> dict[str, m.Message]:
             pending=["reach"],
             refusal="a person is there",
             seconds=0.3,
+        ),
+        m.AllowedAreaRequest(frame_stamp_ns=3),
+        m.AllowedArea(
+            stamp_ns=3,
+            width=4,
+            height=2,
+            cells=np.array([[0, 1]], np.uint8),
+            reasons=["too steep"],
         ),
         m.SayRequest(text="yes", frame_stamp_ns=1, target_id="t-1"),
         m.ConfirmRequest(target_id="t-1"),

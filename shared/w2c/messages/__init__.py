@@ -8,6 +8,7 @@ down).
 """
 
 from w2c.messages.advice import Advice, AdviceCheck, Remark, Unchecked
+from w2c.messages.allowed import AllowedArea, AllowedAreaRequest
 from w2c.messages.base import (
     Array,
     CallTrace,
@@ -20,6 +21,7 @@ from w2c.messages.base import (
     ProcessTable,
     check_array,
 )
+from w2c.messages.cloud import PointCloud, PointCloudRequest
 from w2c.messages.control import (
     ControllerSnapshot,
     ControllerStatistics,
@@ -81,6 +83,8 @@ from w2c.messages.view import (
 __all__ = [
     "Advice",
     "AdviceCheck",
+    "AllowedArea",
+    "AllowedAreaRequest",
     "Array",
     "Box",
     "CallTrace",
@@ -117,6 +121,8 @@ __all__ = [
     "Picture",
     "PictureRequest",
     "PlaceGoal",
+    "PointCloud",
+    "PointCloudRequest",
     "PointRequest",
     "PreviewReply",
     "PushReply",

@@ -6,6 +6,8 @@ import msgspec
 
 from w2c.messages.base import Array, Message, Stamp, Text, check_array
 
+RobotBoot = Annotated[str, msgspec.Meta(max_length=64)]
+
 
 class CameraView(Message, frozen=True, kw_only=True):
     """Where the camera was when it took a frame: projects a world point into that frame."""
@@ -18,6 +20,8 @@ class CameraView(Message, frozen=True, kw_only=True):
     """fx, fy, cx, cy [px]"""
     width: int
     height: int
+    robot_boot_id: RobotBoot = ""
+    """Of the robot's process then: stamps of another one mean other instants"""
 
     def __post_init__(self) -> None:
         """Refuse arrays of the wrong shape."""
@@ -33,6 +37,9 @@ class LiftRequest(Message, frozen=True, kw_only=True):
     """Of the frame the pixel was chosen in; must be in the buffer of the last seconds"""
     footprint: Annotated[float, msgspec.Meta(gt=0, le=0.5)] = 0.03
     """Radius of what will touch the surface there [m]"""
+    robot_boot_id: RobotBoot = ""
+    """Of the view of that frame: a robot that started anew counts time from zero again, so that a
+    stamp may be that of another frame. "" = not checked"""
 
 
 class LiftReply(Message, frozen=True, kw_only=True):
@@ -43,13 +50,17 @@ class LiftReply(Message, frozen=True, kw_only=True):
     normal: Array
     """(3,) unit, out of the surface, towards the camera, in the world"""
     error_bound: float
-    """The point is within this distance of the truth, as far as the sensor knows [m]"""
+    """The point is within this distance of the truth in at least 95 of 100 cases [m]: for the noise
+    of depth, what may be meant at an edge, and joint angles that are off"""
     flatness: float
-    """Root mean square distance of the surface to its plane inside the footprint [m]"""
+    """Root mean square distance of the surface to its plane inside the footprint, without the noise
+    of depth [m]"""
     slope: float
     """Between normal and vertical [rad]"""
     extent: float
-    """Radius of the flat surface around the point [m]"""
+    """Radius of the flat surface that is seen all around the point [m]"""
+    edge_distance: float = 0.0
+    """To the nearest place where the surface is seen to end [m]; 0.25 where none is nearer"""
     frame_stamp_ns: Stamp
     warning: Text = ""
     """What an operator should know: near an edge, rough, steep"""

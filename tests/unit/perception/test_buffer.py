@@ -6,9 +6,13 @@ import pytest
 from w2c.depth import encode_depth
 from w2c.errors import MessageError, RefusedError
 from w2c.messages import CameraFrame
+from w2c.stance import Stance, both_feet
 from w2c_perception.buffer import MAX_GAP_NS, StateBuffer, View, ViewBuffer
+from w2c_perception.pose import CameraPose
 
 SECOND = 1_000_000_000
+POSE = CameraPose(np.eye(4), np.zeros((0, 2, 3)), np.zeros((1, 6)))
+STANDS = both_feet((np.eye(4), np.eye(4)), world=1)
 
 
 def view(stamp_ns: int, depth: bytes = b"") -> View:
@@ -21,7 +25,7 @@ def view(stamp_ns: int, depth: bytes = b"") -> View:
         jpeg=b"",
         depth=depth,
     )
-    return View(frame, np.eye(4), np.zeros((0, 2, 3)), 0.0)
+    return View(frame, POSE, np.zeros(1))
 
 
 def test_views_are_found_by_their_stamp() -> None:
@@ -93,8 +97,8 @@ def test_depth_is_unpacked_and_a_broken_one_is_an_error() -> None:
 
 def test_joint_angles_are_linear_between_measurements() -> None:
     states = StateBuffer(10.0)
-    states.add(0, np.array([0.0, 1.0]))
-    states.add(10_000_000, np.array([0.1, 0.8]))
+    states.add(0, np.array([0.0, 1.0]), STANDS)
+    states.add(10_000_000, np.array([0.1, 0.8]), STANDS)
 
     quarter = states.at(2_500_000)
 
@@ -108,7 +112,7 @@ def test_joint_angles_are_linear_between_measurements() -> None:
 def test_a_steady_motion_leaves_no_doubt() -> None:
     states = StateBuffer(10.0)
     for stamp in range(0, SECOND // 10, 10_000_000):
-        states.add(stamp, np.array([stamp * 1e-9]))
+        states.add(stamp, np.array([stamp * 1e-9]), STANDS)
 
     assert states.at(35_000_000).position == pytest.approx([0.035])
     assert states.at(35_000_000).uncertainty == pytest.approx(0.0, abs=1e-12)
@@ -120,7 +124,7 @@ def test_interpolation_of_a_swing_stays_within_its_own_doubt() -> None:
 
     states = StateBuffer(10.0)
     for stamp in range(0, SECOND, 10_000_000):
-        states.add(stamp, np.array([angle(stamp)]))
+        states.add(stamp, np.array([angle(stamp)]), STANDS)
 
     for stamp in range(1_000_000, SECOND - 20_000_000, 7_777_777):
         between = states.at(stamp)
@@ -130,8 +134,8 @@ def test_interpolation_of_a_swing_stays_within_its_own_doubt() -> None:
 @pytest.mark.parametrize("stamp", [5, 10 * MAX_GAP_NS])
 def test_angles_outside_of_the_measurements_are_refused(stamp: int) -> None:
     states = StateBuffer(10.0)
-    states.add(10, np.zeros(1))
-    states.add(20, np.zeros(1))
+    states.add(10, np.zeros(1), STANDS)
+    states.add(20, np.zeros(1), STANDS)
 
     with pytest.raises(RefusedError, match="from 10 to 20 ns"):
         states.at(stamp)
@@ -139,8 +143,8 @@ def test_angles_outside_of_the_measurements_are_refused(stamp: int) -> None:
 
 def test_a_gap_is_not_interpolated() -> None:
     states = StateBuffer(10.0)
-    states.add(0, np.zeros(1))
-    states.add(MAX_GAP_NS + 1, np.ones(1))
+    states.add(0, np.zeros(1), STANDS)
+    states.add(MAX_GAP_NS + 1, np.ones(1), STANDS)
 
     with pytest.raises(RefusedError, match="no joint angles for 100 ms"):
         states.at(MAX_GAP_NS // 2)
@@ -154,7 +158,7 @@ def test_before_the_first_angles_the_robot_is_asked_for() -> None:
 def test_angles_grow_old() -> None:
     states = StateBuffer(1.0)
     for stamp in range(0, 3 * SECOND, SECOND // 20):
-        states.add(stamp, np.zeros(1))
+        states.add(stamp, np.zeros(1), STANDS)
 
     with pytest.raises(RefusedError):
         states.at(SECOND)
@@ -163,8 +167,52 @@ def test_angles_grow_old() -> None:
 
 def test_time_that_jumps_back_clears_the_angles() -> None:
     states = StateBuffer(10.0)
-    assert states.add(5 * SECOND, np.zeros(1))
-    assert not states.add(SECOND, np.ones(1))
+    assert states.add(5 * SECOND, np.zeros(1), STANDS)
+    assert not states.add(SECOND, np.ones(1), STANDS)
 
     assert states.newest_ns == SECOND
     assert states.at(SECOND).position.tolist() == [1.0]
+
+
+def test_angles_tell_the_velocity() -> None:
+    states = StateBuffer(10.0)
+    states.add(0, np.array([0.0, 1.0]), STANDS)
+    states.add(10_000_000, np.array([0.01, 0.98]), STANDS)
+
+    assert states.at(4_000_000).velocity == pytest.approx([1.0, -2.0])
+    assert states.at(10_000_000).velocity == pytest.approx([1.0, -2.0])
+    assert states.at(0).velocity.tolist() == [0.0, 0.0]
+
+
+def test_between_two_stances_only_the_feet_of_both_count() -> None:
+    one = Stance((True, False), STANDS.anchors, STANDS.world)
+    states = StateBuffer(10.0)
+    for stamp, stance in ((0, STANDS), (10, one), (20, STANDS)):
+        states.add(stamp, np.zeros(1), stance)
+
+    assert states.at(5).stance is one
+    assert states.at(15).stance is one
+    assert states.at(20).stance is STANDS
+
+
+@pytest.mark.parametrize("other", [None, both_feet((np.eye(4), np.eye(4)), world=2)])
+def test_while_no_foot_stands_nothing_has_a_place(other: Stance | None) -> None:
+    states = StateBuffer(10.0)
+    states.add(0, np.zeros(1), STANDS)
+    states.add(10, np.zeros(1), other)
+
+    with pytest.raises(RefusedError, match="no foot stood"):
+        states.at(5)
+
+
+def test_a_turning_camera_blurs_a_view_and_a_still_one_does_not() -> None:
+    turning = CameraPose(np.eye(4), np.zeros((0, 2, 3)), np.array([[0, 0, 0, 0, 1.0, 0]]))
+    frame = view(1).frame
+    moving = View(frame, turning, np.array([0.5]))
+    depth = np.full((4, 8), 2.0, np.float32)
+
+    # About its axis downwards with 0.5 rad/s, focal length 10 px: 5 px/s in the middle.
+    assert moving.blur(depth, 4.0, 2.0, 0.1) == pytest.approx(0.5)
+    assert moving.blur(depth, 4.0, 2.0, 0.0) == 0.0
+    assert moving.blur(depth, float("nan"), 2.0, 0.1) == 0.0
+    assert view(1).blur(depth, 4.0, 2.0, 0.1) == 0.0

@@ -36,7 +36,7 @@ def state(tick: int, position: Array) -> RobotState:
         position=position,
         velocity=np.zeros(n),
         torque=np.zeros(n),
-        sole_wrenches=np.zeros((2, 6)),
+        sole_wrenches=np.tile([0, 0, 450.0, 0, 0, 0], (2, 1)),
         left_wrist_wrench=np.zeros(6),
         imu_orientation=np.array([0, 0, 0, 1.0]),
         imu_angular_velocity=np.zeros(3),
@@ -116,7 +116,7 @@ def test_a_pixel_is_lifted_into_the_world(rig: Rig) -> None:
         topics.LIFT, LiftRequest(u=64.0, v=36.0, frame_stamp_ns=1000 * TICK_NS)
     ).message
 
-    world_from_camera = CameraKinematics(DESCRIPTION).world_from_camera(READY)
+    world_from_camera = CameraKinematics(DESCRIPTION).camera_pose(READY).world_from_camera
     assert reply.point == pytest.approx((world_from_camera @ [0, 0, 1, 1])[:3], abs=3e-4)
     assert reply.normal == pytest.approx(-world_from_camera[:3, 2], abs=1e-3)
     assert reply.frame_stamp_ns == 1000 * TICK_NS
@@ -130,7 +130,7 @@ def test_each_picture_is_told_where_it_was_taken_and_from_what(rig: Rig) -> None
     received = views.receive(1.0)
     assert received is not None
     assert received.message.world_from_camera == pytest.approx(
-        CameraKinematics(DESCRIPTION).world_from_camera(READY), abs=1e-9
+        CameraKinematics(DESCRIPTION).camera_pose(READY).world_from_camera, abs=1e-9
     )
     assert [made_of.key.split("/")[-2:] for made_of in received.envelope.inputs] == [
         ["camera", "rgbd"]
@@ -144,7 +144,7 @@ def test_heights_are_those_of_the_picture_without_the_arms(rig: Rig) -> None:
     field = rig.operator.call(topics.HEIGHT_FIELD, request).message
 
     assert field.stamp_ns == 1000 * TICK_NS
-    world_from_camera = CameraKinematics(DESCRIPTION).world_from_camera(READY)
+    world_from_camera = CameraKinematics(DESCRIPTION).camera_pose(READY).world_from_camera
     x, y, height = (world_from_camera @ [0, 0, 1, 1])[:3]
     row = int((x - field.origin[0]) / field.cell)
     column = int((y - field.origin[1]) / field.cell)

@@ -1,0 +1,1 @@
+"""How far off a lifted pixel is, against the simulator's truth."""

@@ -1,0 +1,88 @@
+"""One robot since it started: its joint angles, the feet that stand, and where its camera was."""
+
+import numpy as np
+
+from w2c.errors import GeometryError
+from w2c.messages import CameraFrame, RobotDescription, RobotState
+from w2c.stance import StanceEstimator
+from w2c_perception.buffer import StateBuffer, View
+from w2c_perception.kinematics import CameraKinematics
+
+VERTICAL_FORCE = 2
+"""Of a sole's wrench: the force along its normal"""
+
+
+class RobotTrack:
+    """Follows the states of one robot, of one boot. Not thread-safe."""
+
+    def __init__(self, description: RobotDescription, boot_id: str, history_s: float) -> None:
+        """Begin.
+
+        Args:
+            description: of the robot.
+            boot_id: of its process.
+            history_s: how long states are remembered [s].
+
+        Raises:
+            GeometryError: the description contradicts itself.
+        """
+        self.boot_id = boot_id
+        self._kinematics = CameraKinematics(description)
+        self._camera_frame = description.camera_frame
+        self._stances = StanceEstimator()
+        self._states = StateBuffer(history_s)
+
+    @property
+    def newest_ns(self) -> int:
+        """Return the stamp of the newest state, -1 before the first."""
+        return self._states.newest_ns
+
+    @property
+    def world(self) -> int:
+        """Return the number of the present world, 0 before the first; a new one is elsewhere."""
+        stance = self._stances.stance
+        return 0 if stance is None else stance.world
+
+    def add(self, state: RobotState) -> None:
+        """Take a state.
+
+        Raises:
+            GeometryError: joint angles that are not finite, or of another robot.
+        """
+        count = self._kinematics.joint_count
+        if state.position.shape != (count,) or not np.isfinite(state.position).all():
+            raise GeometryError(
+                f"state of {state.stamp_ns} ns: joint angles of shape {state.position.shape}, "
+                f"expected {count} finite ones"
+            )
+        if state.stamp_ns < self._states.newest_ns:
+            self._stances = StanceEstimator()
+        stance = self._stances.update(
+            state.stamp_ns,
+            state.sole_wrenches[:, VERTICAL_FORCE],
+            lambda: self._kinematics.soles(state.position),
+        )
+        self._states.add(state.stamp_ns, state.position, stance)
+
+    def place(self, frame: CameraFrame) -> View:
+        """Return a frame with where it was taken from.
+
+        Raises:
+            GeometryError: a frame that is not of this robot's camera, or whose numbers are none.
+            RefusedError: no joint angles at its stamp, or no foot on the ground.
+        """
+        if frame.frame != self._camera_frame:
+            raise GeometryError(
+                f"picture of '{frame.frame}', this robot's camera is '{self._camera_frame}'; is "
+                "the camera process that of another robot?"
+            )
+        fx, fy, cx, cy = frame.intrinsics
+        if not (np.isfinite([fx, fy, cx, cy]).all() and fx > 0.0 and fy > 0.0):
+            raise GeometryError(
+                f"intrinsics {frame.intrinsics}, expected finite ones with focal lengths above 0 px"
+            )
+        if not 0.0 < frame.depth_unit <= 0.1:
+            raise GeometryError(f"depth unit {frame.depth_unit:g} m, expected above 0 to 0.1 m")
+        state = self._states.at(frame.stamp_ns)
+        pose = self._kinematics.camera_pose(state.position, state.stance)
+        return View(frame, pose, state.velocity, state.uncertainty)
