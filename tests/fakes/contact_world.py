@@ -63,7 +63,7 @@ class ContactWorld:
         self.moved = np.zeros((4, 3))
         """(4, 3) how far each slipped, or rolled [m]"""
         self.turned = np.tile(np.eye(3), (2, 1, 1))
-        """(2, 3, 3) world_from_hand: contacts stay where they are, as if no ball turned"""
+        """(2, 3, 3) of each hand in the world, beside the desired turns: a ball that slips on"""
 
     def measured(self) -> Measured:
         """Return what the robot feels."""
@@ -84,7 +84,9 @@ class ContactWorld:
             feet=feet,
             hands=hands,
             positions=kinematics.positions + self.moved,
-            rotations=np.concatenate([kinematics.rotations[:2], self.turned]),
+            rotations=np.concatenate(
+                [kinematics.rotations[:2], self.turned @ kinematics.rotations[2:]]
+            ),
         )
 
     def run(self, seconds: float, until: str = "") -> str:

@@ -126,6 +126,9 @@ def _describe(model: pin.Model, description: RobotDescription) -> ControlledMode
 
 FeetOnGround = tuple[int, int]
 BOTH_FEET: FeetOnGround = (0, 1)
+NO_LEVERS: Matrix = np.zeros((4, 3))
+"""All contacts touch at the origins of their frames."""
+NO_LEVERS.flags.writeable = False
 
 
 def standing_configuration(
@@ -179,7 +182,9 @@ class Kinematics:
         """T_q = ds/dq (nv, nv), in the tangent space of q."""
         self.static_dl = np.zeros((4, nv, 6))
         """T_l = ds/dlambda of each end effector, as a contact: -J^T in the sole frame of a foot;
-        -J^T C, three columns, of the force of a hand in the contact frame C."""
+        -J^T C, three columns, of the force of a hand in the contact frame C, at its point."""
+        self.point_jacobians = np.zeros((2, 3, nv))
+        """Of the points of the hands that touch, at the ends of their levers, world-aligned."""
         self.base_coupling = np.zeros((6, nv))
         """Rows of the base of A_G^T A_G: squared centroidal momentum."""
         self._body_rotations = np.zeros((bodies, 3, 3))
@@ -198,21 +203,29 @@ class Kinematics:
         place(q, *tree.kinematic, *self._bodies, *self._frames)
 
     def update_statics(
-        self, q: Vector, wrenches: Matrix, contact_rotations: Matrix, enabled: Contacts
+        self,
+        q: Vector,
+        wrenches: Matrix,
+        contact_rotations: Matrix,
+        enabled: Contacts,
+        levers: Matrix = NO_LEVERS,
     ) -> None:
-        """Compute what `update_frames` does, s, T_q and T_l.
+        """Compute what `update_frames` does, s, T_q, T_l and the Jacobians of touching points.
 
         Args:
             q: (nq,)
             wrenches: (4, 6) feet: force, torque in the sole frame; hands: force in theirs, zeros.
             contact_rotations: (4, 3, 3) world_from_contact, of the hands.
             enabled: Which contacts exist.
+            levers: (4, 3) of the hands: from the origin of the frame to the point that touches,
+                in the world [m]; constant there, as of a ball on a plane.
         """
         place_under_load(
             q,
             wrenches,
             contact_rotations,
             enabled,
+            levers,
             *self.controlled.tree.kinematic,
             self.controlled.tree.weights,
             self.controlled.tree.centers,
@@ -223,6 +236,7 @@ class Kinematics:
             self.static,
             self.static_dq,
             self.static_dl,
+            self.point_jacobians,
         )
 
     def update_momentum(self) -> None:

@@ -2,7 +2,8 @@
 
 Everything follows from sums over the subtree of each body k, with the world axis a_k of its joint
 and the origin o_k: F, the forces that are constant in the world (gravity, hands), W = sum x f' over
-the points x where they act, and force and moment of those that turn with their body (soles).
+the points x where they act, force and moment of those that turn with their body (soles), and the
+moments that are constant in the world: of a hand's force, which acts at a lever from its centre.
 
 The static torque of joint i, moment about its axis, is s_i = -a_i . (sum (x - o_i) x f). Turning
 joint j moves the points of its subtree, and turns a_i, o_i and the soles' wrenches where they are
@@ -11,8 +12,9 @@ in it. With V_k = (tr(W_k) - W_k) a_k about o_k this gives
     ds_i/dq_j = a_j . V_i                                         j above i
     ds_i/dq_j = a_i . (V_j - a_j x n_j - (o_j - o_i) x (a_j x f_j))   j below i, or i itself
 
-for the wrench (f_j, n_j) about o_j of the soles in the subtree of j. Tests compare all of it with
-Pinocchio and with finite differences.
+for the wrench (f_j, n_j) about o_j of the soles in the subtree of j. A constant moment m_i is of no
+account where a joint below moves it, and turns with no joint above: V_i - a_i x m_i in the first
+line alone. Tests compare all of it with Pinocchio and with finite differences.
 """
 
 import numpy as np
@@ -26,9 +28,10 @@ Matrix = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 Contacts = tuple[bool, bool, bool, bool]
 
-LOADS = 18
-FORCE, POINTS, SOLE_FORCE, SOLE_MOMENT = 0, 3, 12, 15
-"""Where F, W (row by row), and force and moment of the soles stand among the loads of a body."""
+LOADS = 21
+FORCE, POINTS, SOLE_FORCE, SOLE_MOMENT, MOMENT = 0, 3, 12, 15, 18
+"""Where F, W (row by row), force and moment of the soles, and the moments that are constant stand
+among the loads of a body."""
 
 
 @compiled
@@ -43,16 +46,17 @@ def sum_loads(
     world_from_effector: Matrix,
     wrenches: Matrix,
     contact_rotations: Matrix,
+    levers: Matrix,
     enabled: Contacts,
     loads: Matrix,
 ) -> None:
-    """Fill the loads (n, 18) of the subtree of each body; see the module.
+    """Fill the loads (n, 21) of the subtree of each body; see the module.
 
-    Wrenches (4, 6) are those of `Kinematics.update_statics`.
+    Wrenches (4, 6) and levers (4, 3) are those of `Kinematics.update_statics`.
     """
     count = parents.shape[0]
     for k in range(count):
-        for i in range(18):
+        for i in range(LOADS):
             loads[k, i] = 0.0
         loads[k, FORCE + 2] = weights[k]
         for i in range(3):
@@ -63,18 +67,18 @@ def sum_loads(
     for e in range(4):
         if enabled[e]:
             frame = world_from_effector[e] if e < 2 else contact_rotations[e]
-            _add_contact(e < 2, frame, wrenches[e], positions[e], loads[bodies[e]])
+            _add_contact(e < 2, frame, wrenches[e], positions[e], levers[e], loads[bodies[e]])
     for i in range(count - 1):
         k = count - 1 - i
-        for j in range(18):
+        for j in range(LOADS):
             loads[parents[k], j] += loads[k, j]
 
 
 @compiled
 def _add_contact(
-    turns: bool, frame: Matrix, wrench: Vector, position: Vector, load: Vector
+    turns: bool, frame: Matrix, wrench: Vector, position: Vector, lever: Vector, load: Vector
 ) -> None:
-    """Add a contact's wrench (6,), given in its frame, to the loads (18,) of its body."""
+    """Add a contact's wrench (6,), given in its frame, to the loads (21,) of its body."""
     f0 = frame[0, 0] * wrench[0] + frame[0, 1] * wrench[1] + frame[0, 2] * wrench[2]
     f1 = frame[1, 0] * wrench[0] + frame[1, 1] * wrench[1] + frame[1, 2] * wrench[2]
     f2 = frame[2, 0] * wrench[0] + frame[2, 1] * wrench[1] + frame[2, 2] * wrench[2]
@@ -95,6 +99,9 @@ def _add_contact(
         load[POINTS + 3 * i] += position[i] * f0
         load[POINTS + 3 * i + 1] += position[i] * f1
         load[POINTS + 3 * i + 2] += position[i] * f2
+    load[MOMENT] += lever[1] * f2 - lever[2] * f1
+    load[MOMENT + 1] += lever[2] * f0 - lever[0] * f2
+    load[MOMENT + 2] += lever[0] * f1 - lever[1] * f0
 
 
 @compiled
@@ -103,8 +110,10 @@ def _about(
 ) -> tuple[float, float, float]:
     """Return V of an axis (a, b, c) through an origin; fill the moments (3,) of a subtree about it.
 
+    V is without the constant moments.
+
     Args:
-        load: (18,) of the subtree.
+        load: (21,) of the subtree.
         origin: (3,)
         a: Of the axis.
         b: Of the axis.
@@ -121,14 +130,23 @@ def _about(
     sole[0] = load[SOLE_MOMENT] - (y * g2 - z * g1)
     sole[1] = load[SOLE_MOMENT + 1] - (z * g0 - x * g2)
     sole[2] = load[SOLE_MOMENT + 2] - (x * g1 - y * g0)
-    moment[0] = sole[0] + w12 - w21
-    moment[1] = sole[1] + w20 - w02
-    moment[2] = sole[2] + w01 - w10
+    moment[0] = sole[0] + w12 - w21 + load[MOMENT]
+    moment[1] = sole[1] + w20 - w02 + load[MOMENT + 1]
+    moment[2] = sole[2] + w01 - w10 + load[MOMENT + 2]
     return (
         (w11 + w22) * a - w01 * b - w02 * c,
         (w00 + w22) * b - w10 * a - w12 * c,
         (w00 + w11) * c - w20 * a - w21 * b,
     )
+
+
+@compiled
+def _without_turning(
+    v0: float, v1: float, v2: float, a: float, b: float, c: float, load: Vector
+) -> tuple[float, float, float]:
+    """Return V - a x m of an axis (a, b, c) and of the constant moments m of a subtree."""
+    m0, m1, m2 = load[MOMENT], load[MOMENT + 1], load[MOMENT + 2]
+    return v0 - (b * m2 - c * m1), v1 - (c * m0 - a * m2), v2 - (a * m1 - b * m0)
 
 
 @compiled
@@ -148,6 +166,7 @@ def fill_statics(
     for m in range(3):
         a, b, c = base[0, m], base[1, m], base[2, m]
         v0, v1, v2 = _about(load, origin, a, b, c, moment, sole)
+        v0, v1, v2 = _without_turning(v0, v1, v2, a, b, c, load)
         static[m] = -(
             a * (load[0] + load[SOLE_FORCE])
             + b * (load[1] + load[SOLE_FORCE + 1])
@@ -174,6 +193,7 @@ def fill_statics(
         u1 = v1 - (c * sole[0] - a * sole[2])
         u2 = v2 - (a * sole[1] - b * sole[0])
         static_dq[5 + j, 5 + j] = a * u0 + b * u1 + c * u2
+        v0, v1, v2 = _without_turning(v0, v1, v2, a, b, c, load)
         i = j
         while i > 0:
             i = parents[i]
@@ -200,9 +220,15 @@ def fill_static_dl(
     jacobians: Matrix,
     local_jacobians: Matrix,
     contact_rotations: Matrix,
+    levers: Matrix,
+    point_jacobians: Matrix,
     static_dl: Matrix,
 ) -> None:
-    """Fill ds/dlambda (4, nv, 6): -J' in the sole frame; of a hand's force -J' C, three columns."""
+    """Fill ds/dlambda (4, nv, 6): -J' in the sole frame; of a hand's force -J' C, three columns.
+
+    J of a hand is that of the point of its body at the end of its lever, J_p - [lever]x J_w: it
+    fills `point_jacobians` (2, 3, nv).
+    """
     for e in range(4):
         for j in supports[e]:
             if j < 0:
@@ -211,7 +237,13 @@ def fill_static_dl(
                 for i in range(6):
                     static_dl[e, j, i] = -local_jacobians[e, i, j]
                 continue
-            u, v, w = jacobians[e, 0, j], jacobians[e, 1, j], jacobians[e, 2, j]
+            a, b, c = jacobians[e, 3, j], jacobians[e, 4, j], jacobians[e, 5, j]
+            x, y, z = levers[e, 0], levers[e, 1], levers[e, 2]
+            u = jacobians[e, 0, j] + (b * z - c * y)
+            v = jacobians[e, 1, j] + (c * x - a * z)
+            w = jacobians[e, 2, j] + (a * y - b * x)
+            point = point_jacobians[e - 2]
+            point[0, j], point[1, j], point[2, j] = u, v, w
             frame = contact_rotations[e]
             for i in range(3):
                 static_dl[e, j, i] = -(frame[0, i] * u + frame[1, i] * v + frame[2, i] * w)
@@ -223,6 +255,7 @@ def place_under_load(
     wrenches: Matrix,
     contact_rotations: Matrix,
     enabled: Contacts,
+    levers: Matrix,
     parents: Indices,
     joint_rotations: Matrix,
     joint_origins: Matrix,
@@ -245,6 +278,7 @@ def place_under_load(
     static: Vector,
     static_dq: Matrix,
     static_dl: Matrix,
+    point_jacobians: Matrix,
 ) -> None:
     """Fill kinematics and statics of a posture; see `Kinematics.update_statics`."""
     place(
@@ -276,8 +310,11 @@ def place_under_load(
         rotations,
         wrenches,
         contact_rotations,
+        levers,
         enabled,
         loads,
     )
     fill_statics(parents, body_rotations, body_origins, body_axes, loads, work, static, static_dq)
-    fill_static_dl(supports, jacobians, local_jacobians, contact_rotations, static_dl)
+    fill_static_dl(
+        supports, jacobians, local_jacobians, contact_rotations, levers, point_jacobians, static_dl
+    )

@@ -146,7 +146,9 @@ class StaticSearch:
     def stands(self) -> bool:
         """Return whether the state found is an equilibrium on contacts that did not move."""
         state, kinematics = self.state, self.kinematics
-        kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
+        kinematics.update_statics(
+            state.q, state.wrenches, state.contact_rotations, state.enabled, state.levers
+        )
         moved = [
             float(np.linalg.norm(kinematics.positions[k] - state.target_positions[k]))
             for k in range(4)

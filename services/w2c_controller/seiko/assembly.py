@@ -181,16 +181,19 @@ def fill_equalities(
     static_dq: Matrix,
     static_dl: Matrix,
     jacobians: Matrix,
+    point_jacobians: Matrix,
     drifts: Matrix,
     contacts: Indices,
     supports: Indices,
     clamps: Vector,
     rows: Matrix,
-    right: Vector,
+    lower: Vector,
+    upper: Vector,
 ) -> int:
-    """Fill contacts that stay where they are, and the equilibrium of the base; bounded corrections.
+    """Fill contacts that stick, and the equilibrium of the base; bounded corrections.
 
-    They are the first of `rows` (m, n), `right` (m,) their right-hand sides.
+    They are the first of `rows` (m, n), `lower` and `upper` (m,) both their right-hand sides. A
+    sole stays where it is; of a hand the point that touches is at rest (`point_jacobians`).
 
     Returns:
         The number of equalities.
@@ -198,21 +201,22 @@ def fill_equalities(
     row = 0
     for c in range(contacts.shape[0]):
         k, size = contacts[c, 0], contacts[c, 2]
+        jacobian = jacobians[k] if k < 2 else point_jacobians[k - 2]
         for half in range(size // 3):
             d = drifts[k, 3 * half : 3 * half + 3]
             rate = clamped_share(d[0], d[1], d[2], clamps[BIAS_POSITION + half]) / dt
             for i in range(3):
-                right[row] = rate * d[i]
+                lower[row] = upper[row] = rate * d[i]
                 for j in supports[k]:
                     if j < 0:
                         break
-                    rows[row, j] = jacobians[k, 3 * half + i, j]
+                    rows[row, j] = jacobian[3 * half + i, j]
                 row += 1
     for half in range(2):
         s = static[3 * half : 3 * half + 3]
         rate = -clamped_share(s[0], s[1], s[2], clamps[BIAS_FORCE + half]) / dt
         for i in range(3):
-            right[row] = rate * s[i]
+            lower[row] = upper[row] = rate * s[i]
             # A moved base changes nothing: the columns of its linear velocity are zero.
             for j in range(3, static.shape[0]):
                 rows[row, j] = static_dq[3 * half + i, j]
@@ -283,6 +287,7 @@ def assemble(
     positions: Matrix,
     rotations: Matrix,
     jacobians: Matrix,
+    point_jacobians: Matrix,
     static: Vector,
     static_dq: Matrix,
     static_dl: Matrix,
@@ -323,15 +328,15 @@ def assemble(
         static_dq,
         static_dl,
         jacobians,
+        point_jacobians,
         drifts,
         contacts,
         supports,
         clamps,
         rows,
         lower[n:],
+        upper[n:],
     )
-    for i in range(n, n + first_row):
-        upper[i] = lower[i]
     fill_torque_rows(static_dq, static_dl, columns, contacts, first_row, rows)
     fill_cost(
         dt,

@@ -40,7 +40,9 @@ def balance_at_rest(
     """
     state.wrenches[:] = 0.0
     layout = ContactLayout(state.enabled, controlled.nv)
-    kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
+    kinematics.update_statics(
+        state.q, state.wrenches, state.contact_rotations, state.enabled, state.levers
+    )
     program, slices = _program(layout, controlled, kinematics, state, parameters)
     try:
         solution = solver.solve(program)
@@ -52,7 +54,9 @@ def balance_at_rest(
     for k, where in slices.items():
         size = where.stop - where.start
         state.wrenches[k, :size] = solution[where]
-    kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
+    kinematics.update_statics(
+        state.q, state.wrenches, state.contact_rotations, state.enabled, state.levers
+    )
     state.torque[:] = kinematics.static[6:]
 
 
@@ -79,7 +83,7 @@ def _program(
             static_dl[:, where] = -kinematics.local_jacobians[k].T
             weights[where] = parameters.weights.plane_wrench
         else:
-            static_dl[:, where] = -kinematics.jacobians[k, :3].T @ state.contact_rotations[k]
+            static_dl[:, where] = -kinematics.point_jacobians[k - 2].T @ state.contact_rotations[k]
             weights[where] = parameters.weights.point_force
     cone_rows = sum(block.shape[0] for block in cones)
     program = Program.empty(size, 6, nj + cone_rows)

@@ -38,9 +38,12 @@ class DesiredState:
     """(4,) smallest normal force allowed now [N]; grows with the force of a new contact"""
     contact_rotations: Matrix = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
     """(4, 3, 3) world_from_contact of the hands"""
+    levers: Matrix = field(default_factory=lambda: np.zeros((4, 3)))
+    """(4, 3) of the hands in contact: from the frame's origin to the point that touches, in the
+    world [m]. A ball rolls on it; zero where the origin itself stays."""
     target_positions: Matrix = field(default_factory=lambda: np.zeros((4, 3)))
-    """(4, 3) in the world: of a contact, where it was made; of a free end effector, where it
-    goes"""
+    """(4, 3) in the world: of a contact, where it was made, and has rolled to since; of a free end
+    effector, where it goes"""
     target_rotations: Matrix = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
     torque: Vector = field(default_factory=lambda: np.zeros(0))
     """(nj,) joint torques of the static equilibrium [Nm]"""
@@ -65,6 +68,7 @@ class DesiredState:
             wrenches=self.wrenches.copy(),
             force_min=self.force_min.copy(),
             contact_rotations=self.contact_rotations.copy(),
+            levers=self.levers.copy(),
             target_positions=self.target_positions.copy(),
             target_rotations=self.target_rotations.copy(),
             torque=self.torque.copy(),

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from w2c_controller.compiled import compiled
 from w2c_controller.kinematics.tree import integrate
 from w2c_controller.seiko.assembly import add_square, fill_drifts, fill_equalities, fill_torque_rows
+from w2c_controller.seiko.rolling import roll
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -131,6 +132,7 @@ def assemble_flexible(
     positions: Matrix,
     rotations: Matrix,
     jacobians: Matrix,
+    point_jacobians: Matrix,
     static: Vector,
     static_dq: Matrix,
     static_dl: Matrix,
@@ -166,15 +168,15 @@ def assemble_flexible(
         static_dq,
         static_dl,
         jacobians,
+        point_jacobians,
         drifts,
         contacts,
         supports,
         clamps,
         rows,
         lower[n:],
+        upper[n:],
     )
-    for i in range(n, n + first_row):
-        upper[i] = lower[i]
     fill_torque_rows(static_dq, static_dl, columns, contacts, first_row + nj, rows)
     fill_command_rows(q, static, stiffness, command, columns, first_row, rows, lag)
     fill_command_bounds(
@@ -221,12 +223,20 @@ def advance_flexible(
     first_row: int,
     lag: Vector,
     offset_limit: float,
+    jacobians: Matrix,
+    supports: Indices,
+    levers: Matrix,
     q: Vector,
     offset: Vector,
     wrenches: Matrix,
     rates: Matrix,
+    contact_positions: Matrix,
 ) -> None:
-    """Move posture, offset and wrenches by one tick of a solution, and note its wrench rates."""
+    """Move posture, offset and wrenches by one tick of a solution, and note its wrench rates.
+
+    Places of contacts move as balls roll, by the kinematics before the tick.
+    """
+    roll(dt, x, jacobians, supports, levers, contacts, contact_positions)
     for i in range(lag.shape[0]):
         rate = lag[i] / dt
         for j in columns[i]:

@@ -12,11 +12,12 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import ControlError
-from w2c_controller.kinematics.model import ControlledModel, Kinematics
+from w2c_controller.kinematics.model import NO_LEVERS, ControlledModel, Kinematics
 from w2c_controller.kinematics.rotations import rotation_vector
 from w2c_controller.parameters import FEET
 from w2c_controller.seiko.contacts import ContactLayout, Enabled
 from w2c_controller.seiko.desired import STANDING, DesiredState
+from w2c_controller.seiko.rolling import roll
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -70,8 +71,9 @@ def find_equilibrium(
     state: FlexibleState,
     command: Vector,
     surfaces: Matrix,
+    levers: Matrix = NO_LEVERS,
 ) -> float:
-    """Move the state to the equilibrium of a command; contacts stay where they are.
+    """Move the state to the equilibrium of a command; contacts stick, a ball may roll.
 
     Newton's method on s(q, lambda) = S K (theta_cmd - theta) and on the contacts' poses. That is
     the least elastic energy under these constraints: a tree of springs on plane contacts is
@@ -83,6 +85,7 @@ def find_equilibrium(
         state: Changed in place.
         command: (nj,) joint angles [rad].
         surfaces: (4, 3, 3) world_from_contact of the hands.
+        levers: (4, 3) as in `DesiredState`.
 
     Returns:
         The largest residual that is left, of forces [N, Nm].
@@ -95,7 +98,7 @@ def find_equilibrium(
     joints = np.arange(6, nv)
     matrix, right = np.zeros((size, size)), np.zeros(size)
     for step in range(NEWTON_STEPS + 1):
-        kinematics.update_statics(state.q, state.wrenches, surfaces, state.enabled)
+        kinematics.update_statics(state.q, state.wrenches, surfaces, state.enabled, levers)
         residual = kinematics.static.copy()
         residual[6:] -= controlled.stiffness * (command - state.q[7:])
         if step == NEWTON_STEPS:
@@ -104,7 +107,7 @@ def find_equilibrium(
         matrix[joints, joints] += controlled.stiffness
         right[:nv] = -residual
         for k, where in layout.slices.items():
-            rows = kinematics.jacobians[k, : where.stop - where.start]
+            rows = kinematics.jacobians[k] if k in FEET else kinematics.point_jacobians[k - 2]
             matrix[where, :nv] = rows
             right[where.start : where.start + 3] = (
                 state.contact_positions[k] - kinematics.positions[k]
@@ -121,6 +124,15 @@ def find_equilibrium(
             raise ControlError("the flexible model has no equilibrium on these contacts") from error
         if not np.isfinite(change).all():
             raise ControlError("the flexible model has no equilibrium: its state is not finite")
+        roll(
+            1.0,
+            change,
+            kinematics.jacobians,
+            controlled.tree.supports,
+            levers,
+            layout.table,
+            state.contact_positions,
+        )
         state.q = kinematics.integrate(state.q, change[:nv])
         for k, where in layout.slices.items():
             state.wrenches[k, : where.stop - where.start] += change[where]

@@ -8,7 +8,7 @@ determines the rate of the command:
 
     min  sum w |wrench rate - effort rate|^2 + w |theta_cmd'|^2 + w |offset after the tick|^2
          + poses of free end effectors, orientation of hands in contact
-    s.t. contact Jacobians v = drift / dt,   (T_q v + T_l lambda')_base = -s_base / dt,
+    s.t. Jacobians of touching points v = drift / dt,   (T_q v + T_l lambda')_base = -s_base / dt,
          joint limits and offset limit of the command, torque limits
 
 Corrections of the equalities are bounded, and limits widened to what x = 0 gives, as in the
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from w2c_controller.kinematics.model import ControlledModel, Kinematics
+from w2c_controller.kinematics.model import NO_LEVERS, ControlledModel, Kinematics
 from w2c_controller.parameters import FEET, HANDS, Clamps, Parameters
 from w2c_controller.seiko.assembly import (
     BIAS_FORCE,
@@ -54,6 +54,7 @@ class FlexibleProgram:
         )
         self._first_row = equalities
         self._columns = layout.torque_columns(controlled.tree)
+        self._supports = controlled.tree.supports
         self._lag = np.zeros(nj)
         self._offset_limit = settings.offset_limit
         margin = settings.command_margin * np.array(
@@ -115,6 +116,7 @@ class FlexibleProgram:
             kinematics.positions,
             kinematics.rotations,
             kinematics.jacobians,
+            kinematics.point_jacobians,
             kinematics.static,
             kinematics.static_dq,
             kinematics.static_dl,
@@ -127,13 +129,22 @@ class FlexibleProgram:
         )
         return self.program
 
-    def advance(self, x: Vector, state: FlexibleState, rates: Matrix) -> None:
+    def advance(
+        self,
+        x: Vector,
+        state: FlexibleState,
+        rates: Matrix,
+        kinematics: Kinematics,
+        levers: Matrix = NO_LEVERS,
+    ) -> None:
         """Move a state by one tick of a solution of its program.
 
         Args:
             x: (n,) the solution.
             state: Whose program was filled last; changed in place.
             rates: (4, 6) receives the wrench rates of the solution.
+            kinematics: That the program was filled with.
+            levers: (4, 3) as in `DesiredState`.
         """
         advance_flexible(
             self._dt,
@@ -144,10 +155,14 @@ class FlexibleProgram:
             self._first_row,
             self._lag,
             self._offset_limit,
+            kinematics.jacobians,
+            self._supports,
+            levers,
             state.q,
             state.offset,
             state.wrenches,
             rates,
+            state.contact_positions,
         )
 
     def command_rate(self, x: Vector) -> Vector:

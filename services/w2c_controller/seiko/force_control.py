@@ -88,7 +88,11 @@ class ForceControl:
             self._switch(retargeting)
         np.add(desired.q[7:], flexible.offset, out=self._command)
         kinematics.update_statics(
-            flexible.q, flexible.wrenches, desired.contact_rotations, flexible.enabled
+            flexible.q,
+            flexible.wrenches,
+            desired.contact_rotations,
+            flexible.enabled,
+            desired.levers,
         )
         self.feedback.step(desired, measured, self._rates)
         self.torque_limits.step(measured.torque, kinematics.static[6:])
@@ -108,7 +112,7 @@ class ForceControl:
             self._rates[:] = 0.0
             self.settle(retargeting)
             return False
-        program.advance(x, flexible, self._rates)
+        program.advance(x, flexible, self._rates, kinematics, desired.levers)
         return True
 
     def _switch(self, retargeting: Retargeting) -> None:
@@ -136,6 +140,7 @@ class ForceControl:
                 self.flexible,
                 command,
                 desired.contact_rotations,
+                desired.levers,
             )
         except ControlError:
             self.failures += 1

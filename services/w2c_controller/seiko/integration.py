@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from w2c_controller.compiled import compiled
 from w2c_controller.kinematics.tree import integrate
+from w2c_controller.seiko.rolling import roll
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -26,6 +27,9 @@ def advance(
     upper: Vector,
     static: Vector,
     torque_rows: Matrix,
+    jacobians: Matrix,
+    supports: Indices,
+    levers: Matrix,
     contacts: Indices,
     releasing: Flags,
     joint_lower: Vector,
@@ -37,8 +41,9 @@ def advance(
     torque: Vector,
     wrenches: Matrix,
     force_min: Vector,
+    target_positions: Matrix,
 ) -> int:
-    """Move posture q, wrenches (4, 6) and force minima (4,) by one period.
+    """Move posture q, wrenches (4, 6), force minima (4,) and places of balls by one period.
 
     The minimum of a new contact grows with its force, up to the configured one (4,), so that it is
     never infeasible. `lower` and `upper` (n,) are the limits of x: a solver may exceed them by
@@ -57,6 +62,7 @@ def advance(
         for j in range(x.shape[0]):
             change += torque_rows[i, j] * x[j]
         torque[i] = static[6 + i] + dt * change
+    roll(dt, velocity, jacobians, supports, levers, contacts, target_positions)
     integrate(q, velocity, dt, q)
     for i in range(torque.shape[0]):
         q[7 + i] = min(max(q[7 + i], joint_lower[i]), joint_upper[i])

@@ -6,7 +6,7 @@ With s(q, lambda) the static residual, T_q and T_l its derivatives and tau = s_J
 `model.Kinematics`),
 
     min  sum w |J x - target|^2
-    s.t. contact Jacobians v = drift / dt,   (T_q v + T_l lambda')_base = -s_base / dt,
+    s.t. Jacobians of touching points v = drift / dt,   (T_q v + T_l lambda')_base = -s_base / dt,
          joint, velocity, torque, wrench rate and normal force limits, friction cones after the
          step dt
 
@@ -120,6 +120,7 @@ class ProgramBuilder:
             kinematics.positions,
             kinematics.rotations,
             kinematics.jacobians,
+            kinematics.point_jacobians,
             kinematics.static,
             kinematics.static_dq,
             kinematics.static_dl,

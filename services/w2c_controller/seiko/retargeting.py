@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from w2c.errors import ControlError, SolverError
 from w2c_controller.kinematics.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.parameters import EFFECTORS, FEET, Parameters
+from w2c_controller.parameters import EFFECTORS, FEET, HANDS, Parameters
 from w2c_controller.seiko.balance import balance_at_rest
 from w2c_controller.seiko.contacts import (
     ContactLayout,
@@ -79,7 +79,7 @@ class Retargeting:
             state.force_min[k] = self._configured_min[k]
         for k, rotation in (supports or {}).items():
             state.enabled = with_contact(state.enabled, k, True)
-            state.contact_rotations[k] = rotation
+            self._lean(state, k, rotation)
         balance_at_rest(self.controlled, self.kinematics, state, self.parameters, self._solver)
         state.target_positions[:] = self.kinematics.positions
         state.target_rotations[:] = self.kinematics.rotations
@@ -112,7 +112,7 @@ class Retargeting:
                 f"the {EFFECTORS[contact]} is a contact already; release it, and wait until it is "
                 "free, before it makes another"
             )
-        state.contact_rotations[contact] = contact_rotation
+        self._lean(state, contact, contact_rotation)
         state.wrenches[contact] = 0.0
         state.force_min[contact] = 0.0
         state.releasing[contact] = state.pushing[contact] = False
@@ -146,7 +146,9 @@ class Retargeting:
         """
         state, kinematics = self.state, self.kinematics
         builder = self._builders[state.enabled]
-        kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
+        kinematics.update_statics(
+            state.q, state.wrenches, state.contact_rotations, state.enabled, state.levers
+        )
         try:
             x = self._solver.solve(builder.fill(kinematics, state))
         except SolverError:
@@ -163,6 +165,9 @@ class Retargeting:
             builder.program.upper,
             kinematics.static,
             builder.torque_rows,
+            kinematics.jacobians,
+            self.controlled.tree.supports,
+            state.levers,
             builder.layout.table,
             (first, second, third, fourth),
             self.controlled.lower,
@@ -174,10 +179,18 @@ class Retargeting:
             state.torque,
             state.wrenches,
             state.force_min,
+            state.target_positions,
         )
         if light:
             self._drop(light)
         return True
+
+    def _lean(self, state: DesiredState, contact: int, contact_rotation: Matrix) -> None:
+        """Note the surface of a contact, and where on it an end effector touches."""
+        state.contact_rotations[contact] = contact_rotation
+        if contact in HANDS:
+            radius = self.controlled.hand_radius[contact - HANDS[0]]
+            state.levers[contact] = -radius * contact_rotation[:, 2]
 
     def _drop(self, light: int) -> None:
         """Free the contacts of this mask; one foot stays."""

@@ -11,6 +11,7 @@ from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.motion.gaze import Neck
 from w2c_controller.parameters import HANDS, Parameters
 from w2c_controller.safety.guards import Guards
+from w2c_controller.safety.hazards import Holds
 from w2c_controller.seiko.contacts import ContactLayout
 from w2c_controller.seiko.flexible_program import FlexibleProgram
 from w2c_controller.seiko.program import ProgramBuilder
@@ -28,10 +29,11 @@ CONSTANT: Final = (
 COMPUTED: Final[dict[type, tuple[str, ...]]] = {
     Kinematics: (
         "static_dq", "static_dl", "base_coupling", "_masses", "_momentum", "_loads", "_bodies",
-        "_frames",
-    )
+        "_frames", "point_jacobians",
+    ),
+    Holds: ("_reports",),
 }  # fmt: skip
-"""What is filled anew at each tick before it is used."""
+"""What is filled anew at each tick before it is used, or was handed on."""
 KEPT: Final[dict[type, tuple[str, ...]]] = {
     # A program is filled anew at each tick; which bounds were active is where its solver starts.
     Program: ("active",),
@@ -45,6 +47,9 @@ KEPT: Final[dict[type, tuple[str, ...]]] = {
 """All that is not constant, of types with many constants."""
 BODY: Final = "body"
 """Where the state of the `WholeBody` stands in that of the controller."""
+HOLDS: Final = "_holds"
+STOP: Final = "_stop"
+"""Where stands why it holds."""
 MOST_MOVED: Final = 0.5
 """Between the command of the snapshot and the one in force [rad]: what free arms move in a second
 or two."""

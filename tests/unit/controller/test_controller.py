@@ -99,8 +99,10 @@ def test_the_offset_contains_the_force_of_the_hand(
     kinematics = Kinematics(model)
     kinematics.update_frames(state.q)
     gravity = pin.computeGeneralizedGravity(model.model, model.model.createData(), state.q)
-    arm = model.joints_of(3)
-    with_force = gravity[arm] - kinematics.jacobians[3, :3, arm] @ state.wrenches[3, :3]
+    arm, radius = model.joints_of(3), np.array([0.0, 0.0, model.hand_radius[1]])
+    # At the lowest point of the ball.
+    jacobian = kinematics.jacobians[3, :3, arm] + np.cross(radius, kinematics.jacobians[3, 3:, arm])
+    with_force = gravity[arm] - jacobian @ state.wrenches[3, :3]
     np.testing.assert_allclose(state.torque[arm - 6], with_force, atol=0.05)
     flexible = controller.force_control.flexible
     wound = controller.model.stiffness * (state.q[7:] + flexible.offset - flexible.q[7:])
