@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from w2c.errors import ConfigError
+from w2c.geometry import rotation_from_quaternion
 from w2c.messages import Array
 from w2c_sim_robot.imperfection import Imperfection
 from w2c_sim_robot.sensing import Channels
@@ -35,9 +36,9 @@ def make(errors: SensorErrors, seed: int = 0) -> Imperfection:
     return Imperfection(errors, CHANNELS, np.random.default_rng(seed), period_s=PERIOD_S)
 
 
-def read(sensors: Imperfection, ticks: int) -> Array:
-    """Return what is read (ticks, width) when the truth at tick k is k."""
-    return np.array([sensors.read(truth(float(tick))).copy() for tick in range(ticks)])
+def read(sensors: Imperfection, ticks: int, first: int = 0) -> Array:
+    """Return what is read (ticks, width) when the truth is the first, then one more each tick."""
+    return np.array([sensors.read(truth(float(first + tick))).copy() for tick in range(ticks)])
 
 
 def errors_of(errors: SensorErrors, ticks: int = 2000, seed: int = 0) -> Array:
@@ -114,14 +115,19 @@ def test_orientation_errs_by_turns_and_stays_a_unit_quaternion() -> None:
     first = askew.read(truth())[CHANNELS.orientation].copy()
     assert 0.0 < 2.0 * np.arccos(first[3]) <= 0.1 * np.sqrt(3)
     assert askew.read(truth())[CHANNELS.orientation].tolist() == first.tolist()
+    lying = truth()
+    lying[CHANNELS.orientation] = (0.1, -0.5, 0.7, 0.5)  # of unit length
+    seen = rotation_from_quaternion(askew.read(lying)[CHANNELS.orientation])
+    expected = rotation_from_quaternion((0.1, -0.5, 0.7, 0.5)) @ rotation_from_quaternion(first)
+    assert seen == pytest.approx(expected)
 
 
 def test_delay_shows_what_was_and_the_start_before_there_was_anything() -> None:
     errors = SensorErrors(position=JointErrors(delay_ms=6.0), soles=ForceTorqueErrors(delay_ms=2.0))
-    found = read(make(errors), 8)
-    assert found[:, 0].tolist() == [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0]
-    assert found[:, FORCE].tolist() == [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
-    assert found[:, 4].tolist() == [float(tick) for tick in range(8)]
+    found = read(make(errors), 8, first=5)
+    assert found[:, 0].tolist() == [5.0, 5.0, 5.0, 5.0, 6.0, 7.0, 8.0, 9.0]
+    assert found[:, FORCE].tolist() == [5.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]
+    assert found[:, 4].tolist() == [5.0 + tick for tick in range(8)]
 
 
 def test_what_does_not_arrive_is_read_again_device_by_device() -> None:
