@@ -7,7 +7,7 @@ from typing import Protocol
 
 from w2c import topics
 from w2c.bus import Bus
-from w2c.errors import UnavailableError
+from w2c.errors import RefusedError, UnavailableError
 from w2c.messages import (
     ConfirmRequest,
     Empty,
@@ -66,13 +66,20 @@ class BusOperator:
         return deliver_stop(self._stop_lines, reason)
 
     def resume(self) -> StopReply:
-        """Let the robot follow commands again, and the controller give them."""
+        """Let the robot follow commands again, and the controller give them.
+
+        Raises:
+            W2CError: the robot does not answer, or the controller holds again at once, and why.
+        """
         reply = self._bus.call(topics.ROBOT_RESUME, Empty()).message
         try:
-            self._bus.call(topics.CONTROLLER_RESUME, Empty())
+            controller = self._bus.call(topics.CONTROLLER_RESUME, Empty()).message
         except UnavailableError:
             # A controller that is not there holds nothing; the page shows that it is absent.
             log.info("resumed without a controller")
+            return reply
+        if controller.holding:
+            raise RefusedError(f"the controller still holds: {controller.text}")
         return reply
 
 

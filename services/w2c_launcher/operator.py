@@ -203,12 +203,17 @@ def resume(arguments: list[str] | None = None) -> int:
     """End a stop, and what else the controller holds for. Exit status 1 = it still holds."""
     config = parse(ResumeConfig, arguments or [], program="w2c resume")
     with _connect(config) as bus:
-        print(f"the robot is {bus.call(topics.ROBOT_RESUME, Empty()).message.mode}")
-        try:
-            reply = bus.call(topics.CONTROLLER_RESUME, Empty()).message
-        except CallError as error:
-            sys.stderr.write(f"the controller does not answer: {error}\n")
-            return 0
+        return end_holds(bus)
+
+
+def end_holds(bus: Bus) -> int:
+    """Tell robot and controller to go on, and print what they say. Returns the exit status."""
+    print(f"the robot is {bus.call(topics.ROBOT_RESUME, Empty()).message.mode}")
+    try:
+        reply = bus.call(topics.CONTROLLER_RESUME, Empty()).message
+    except CallError as error:
+        sys.stderr.write(f"the controller does not answer: {error}\n")
+        return 0
     if reply.holding:
         sys.stderr.write(f"the controller still holds: {reply.text}\n")
     return 1 if reply.holding else 0

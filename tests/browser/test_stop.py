@@ -120,3 +120,33 @@ def test_a_resume_from_elsewhere_is_shown_here(world: ConsoleWorld, open_page: O
     world.robot.mode = "tracking"
     page.get_by_text("holding (acknowledged at").wait_for(state="hidden")
     assert page.get_by_role("button", name="Resume").is_hidden()
+
+
+def test_a_hold_of_the_controller_is_shown_with_its_reason_and_ends_with_resume(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    page = open_page()
+    status = page.get_by_role("status", name="Stop status")
+    world.holding = "the elbow turns at 9.00 rad/s, limit 3.00"
+    status.get_by_text("holding (the controller)").wait_for()
+    status.get_by_text("9.00 rad/s").wait_for()
+    page.get_by_role("button", name="Resume").click()
+    wait_until(lambda: world.holding == "")
+    status.get_by_text("holding (the controller)").wait_for(state="hidden")
+    assert page.get_by_role("button", name="Resume").is_hidden()
+
+
+def test_a_controller_that_holds_again_at_once_is_never_shown_as_resumed(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    page = open_page()
+    status = page.get_by_role("status", name="Stop status")
+    world.finds_it_again, world.holding = True, "the left knee bears 900 Nm"
+    status.get_by_text("holding (the controller)").wait_for()
+    with page.expect_response("**/api/resume") as answer:
+        page.get_by_role("button", name="Resume").click()
+    assert answer.value.status == 409
+    assert "900 Nm" in answer.value.text()
+    status.get_by_text("900 Nm").wait_for()
+    assert status.get_by_text("resumed").count() == 0
+    assert page.get_by_role("button", name="Resume").is_visible()

@@ -29,6 +29,7 @@ from w2c.messages import (
     PointRequest,
     RecorderStatus,
     Remark,
+    ResumeReply,
     RobotState,
     SayRequest,
     StopReply,
@@ -179,6 +180,11 @@ class ConsoleWorld:
         self.controller.serve(
             topics.CONTROLLER_STOP, lambda _, __: StopReply(mode="stopped", stamp_ns=1)
         )
+        self.controller.serve(topics.CONTROLLER_RESUME, self._resume_controller)
+        self.holding = ""
+        """Why the controller holds; "" = it does not"""
+        self.finds_it_again = False
+        """Whether it holds again at once when it is resumed"""
         self._pictures: dict[float, bytes] = {}
         self._buses = (
             self.console, self.camera, self.perception, self.controller, self.recorder,
@@ -222,8 +228,15 @@ class ConsoleWorld:
             ),
         )
 
+    def _resume_controller(self, _: Empty, __: CallContext) -> ResumeReply:
+        if not self.finds_it_again:
+            self.holding = ""
+        return ResumeReply(holding=bool(self.holding), text=self.holding)
+
     def publish_controller(self, phase: str = "hold", message: str = "") -> None:
         """Publish the state of a controller on two feet, that leans in the phase `contact`."""
+        if self.holding:
+            phase, message = "held", self.holding
         leans = phase == "contact"
         desired = np.array([[0, 0, 420.0], [0, 0, 395.0], [0, 0, 0], [0, 0, 95.0 * leans]])
         status = ControllerStatus(

@@ -55,6 +55,16 @@ def test_requests_of_the_page_reach_dialogue_and_robot(
     assert post(node, "api/resume")["mode"] == "tracking"
 
 
+def test_resume_ends_what_the_controller_holds_for_or_says_that_it_goes_on_holding(
+    world: ConsoleWorld, node: ConsoleNode
+) -> None:
+    world.holding = "the left knee bears 900 Nm"
+    assert post(node, "api/resume")["mode"] == "tracking"
+    assert world.holding == ""
+    world.finds_it_again, world.holding = True, "the left knee bears 900 Nm"
+    assert "still holds: the left knee bears 900 Nm" in str(post(node, "api/resume"))
+
+
 def test_everything_that_is_published_arrives_in_the_model(
     world: ConsoleWorld, node: ConsoleNode
 ) -> None:
