@@ -3,22 +3,44 @@
 Paper, Methods, "Absolute Positions": the maximum of the object's heatmap.
 """
 
+from collections.abc import Callable
+
 from w2c.errors import RefusedError
+from w2c.messages import PhraseEvidence
+from w2c_dialogue.advice.pointing import Pointed
 from w2c_dialogue.interfaces import Frame, Grounding
 from w2c_dialogue.prompts.base import SceneObject
 from w2c_dialogue.sight import Prediction, look, twin_warnings
 from w2c_dialogue.utterance import Mention
 
+Choose = Callable[[PhraseEvidence], Pointed]
+"""Another rule for the point on a thing that is seen"""
 
-def predict(grounding: Grounding, frame: Frame, mention: Mention) -> Prediction:
-    """Return where to touch the object. Raises RefusedError where it is not seen, CallError."""
+
+def predict(
+    grounding: Grounding, frame: Frame, mention: Mention, choose: Choose | None = None
+) -> Prediction:
+    """Return where to touch the object.
+
+    Args:
+        grounding: Looks for it.
+        frame: The picture.
+        mention: The object.
+        choose: Chooses the point; None: grounding's own.
+
+    Raises:
+        RefusedError: it is not seen.
+        CallError: grounding does not answer.
+    """
     seen = look(grounding, frame, [mention], "heatmaps")[0]
     if seen.point is None:
         raise RefusedError(f"I see '{seen.phrase}' but no point on it; point at it with a click.")
-    u, v = seen.point
+    pointed = choose(seen) if choose else Pointed(None)
+    u, v = pointed.pixel or seen.point
     if not (0 <= u <= frame.width and 0 <= v <= frame.height):
         raise RefusedError(
             f"'{seen.phrase}' was found at ({u:.0f}, {v:.0f}), outside the picture; say it again."
         )
     objects = (SceneObject(seen.phrase, seen.boxes[0]),) if seen.boxes else ()
-    return Prediction(u, v, objects, twin_warnings([seen]))
+    warnings = twin_warnings([seen]) + ((pointed.warning,) if pointed.warning else ())
+    return Prediction(u, v, objects, warnings)

@@ -6,6 +6,7 @@ from typing import Any, Literal, Protocol
 
 from w2c.bus.codec import Input
 from w2c.messages import (
+    AllowedArea,
     CameraView,
     GoalReply,
     HeightField,
@@ -63,6 +64,9 @@ class Lift(Protocol):
 
     def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
         """Return the world point behind a pixel. Raises RefusedError where there is no depth."""
+
+    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+        """Return where in a frame a hand may go. Raises CallError."""
 
     def heights(self, frame_stamp_ns: int) -> HeightField:
         """Return how high things stand in a frame. Raises CallError."""

@@ -30,14 +30,18 @@ class Limbs:
         """
         named, task = shown.effector, shown.task
         if (named is None or task is None) and shown.target.instruction:
-            heard = self._hear(shown.target.instruction, model)
+            heard = self.hear(shown.target.instruction, model)
             named, task = named or heard[0], task or heard[1]
         if named is None and shown.target.point is not None:
             return effector.nearest_hand(shown.target.point), task or "contact", True
         limb = named or "right_hand"
         return limb, effector.task_of(limb, task or "contact"), named is None
 
-    def _hear(self, instruction: str, model: LanguageModel) -> tuple[EndEffector | None, Task]:
+    def hear(self, instruction: str, model: LanguageModel) -> tuple[EndEffector | None, Task]:
+        """Return the limb that an instruction names, None for none, and the task.
+
+        Raises ModelError, CallError.
+        """
         with self._lock:
             known = self._heard.get(instruction)
         if known is not None:

@@ -11,6 +11,7 @@ from w2c.bus.interface import CallContext, Queue, Received
 from w2c.clock import Clock
 from w2c.messages import (
     Advice,
+    AllowedArea,
     CameraFrame,
     CameraView,
     ConfirmRequest,
@@ -23,12 +24,14 @@ from w2c.messages import (
 )
 from w2c_dialogue.advice.advisor import Advisor, Checks
 from w2c_dialogue.advice.guard import Guard
+from w2c_dialogue.advice.pointing import MaskedPointing
 from w2c_dialogue.advice.veto import unknown_text
 from w2c_dialogue.advice.watch import Watch
 from w2c_dialogue.advice.wordlist import check_phrases
 from w2c_dialogue.config import DialogueConfig
 from w2c_dialogue.frames import FrameStore
 from w2c_dialogue.interfaces import Frame
+from w2c_dialogue.limbs import Limbs
 from w2c_dialogue.pipeline import Dialogue
 from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
@@ -71,21 +74,28 @@ class DialogueNode:
             margin=config.veto_margin,
             unchecked=config.unchecked_veto,
         )
+        prompts = PROMPT_SETS[config.prompts]()
+        limbs = Limbs(prompts)
+        masked = MaskedPointing(
+            self._guard, limbs, self._show_area, clock, budget_s=config.pointing_budget
+        )
         self._dialogue = Dialogue(
             services,
             services,
             services,
             services,
-            prompts=PROMPT_SETS[config.prompts](),
+            prompts=prompts,
             frames=self._frames,
             guard=self._guard,
+            limbs=limbs,
+            masked=masked if config.masked_pointing else None,
             clock=clock,
             prefix=bus.boot_id[:6],
         )
         checks = Checks(
             self._guard,
             self._watch,
-            self._dialogue.limbs,
+            limbs,
             hasty,
             hasty,
             fragile=config.fragile,
@@ -195,6 +205,9 @@ class DialogueNode:
     def _advise(self, advice: Advice) -> None:
         self._advice = advice
         self._bus.publish(topics.ADVICE, advice)
+
+    def _show_area(self, area: AllowedArea) -> None:
+        self._bus.publish(topics.ALLOWED_AREA, area)
 
     def _shown_id(self) -> str:
         shown = self._dialogue.shown()

@@ -20,6 +20,7 @@ from w2c.messages import (
 )
 from w2c_dialogue import absolute, relative, replies
 from w2c_dialogue.advice.guard import Guard
+from w2c_dialogue.advice.pointing import MaskedPointing
 from w2c_dialogue.analyzer import analyze
 from w2c_dialogue.conversation import Conversation, Goal, Shown
 from w2c_dialogue.corrector import correct
@@ -56,6 +57,8 @@ class Dialogue:
         prompts: PromptSet,
         frames: FrameStore,
         guard: Guard,
+        limbs: Limbs,
+        masked: MaskedPointing | None = None,
         clock: Clock,
         prefix: str,
     ) -> None:
@@ -68,7 +71,8 @@ class Dialogue:
         self._prompts = prompts
         self._frames = frames
         self._guard = guard
-        self._limbs = Limbs(prompts)
+        self._limbs = limbs
+        self._masked = masked
         self._clock = clock
         self._conversation = Conversation(prefix)
         self._turn = threading.Lock()
@@ -110,11 +114,6 @@ class Dialogue:
     def shown(self) -> Shown | None:
         """Return the target on the screen."""
         return self._conversation.shown
-
-    @property
-    def limbs(self) -> Limbs:
-        """Return who knows which limb an instruction means."""
-        return self._limbs
 
     # --- turns ---
 
@@ -161,7 +160,8 @@ class Dialogue:
         named = ""
         if analysis.position == "absolute":
             named = analysis.mentions[0].phrase
-            prediction = absolute.predict(services, frame, analysis.mentions[0])
+            choose = self._rule(frame, utterance, services)
+            prediction = absolute.predict(services, frame, analysis.mentions[0], choose)
         else:
             scale = pixels_per_cm(None, frame.view)
             prediction = relative.predict(
@@ -268,6 +268,15 @@ class Dialogue:
         return self._report(text, outcome, steps)
 
     # --- helpers ---
+
+    def _rule(
+        self, frame: Frame, utterance: Utterance, services: Services
+    ) -> absolute.Choose | None:
+        """Return how a point on a thing is chosen; None: as grounding does."""
+        masked = self._masked
+        if masked is None:
+            return None
+        return lambda seen: masked.point(seen, frame, utterance.text, services)
 
     def _depth(
         self, prediction: Prediction, frame: Frame, services: Services

@@ -9,6 +9,8 @@ from w2c import topics
 from w2c.bus import Bus
 from w2c.errors import RefusedError, W2CError
 from w2c.messages import (
+    AllowedArea,
+    AllowedAreaRequest,
     ChooseRequest,
     CompleteRequest,
     GoalReply,
@@ -75,6 +77,11 @@ class RemoteServices:
         """Find the point of the world behind a pixel."""
         request = LiftRequest(u=u, v=v, frame_stamp_ns=frame_stamp_ns)
         return self._bus.call(topics.LIFT, request).message
+
+    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+        """Find where in a frame a hand may go."""
+        request = AllowedAreaRequest(frame_stamp_ns=frame_stamp_ns)
+        return self._bus.call(topics.FIND_ALLOWED_AREA, request).message
 
     def heights(self, frame_stamp_ns: int) -> HeightField:
         """Find how high things stand in a frame."""

@@ -13,6 +13,7 @@ SERVICES = {
     "grounding": "grounding service",
     "veto": "grounding service",
     "lift": "perception",
+    "allowed": "perception",
     "heights": "perception",
     "preview": "controller",
     "place": "controller",

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from w2c.clock import Clock
 from w2c.messages import (
+    AllowedArea,
     GoalReply,
     HeightField,
     LiftReply,
@@ -97,6 +98,11 @@ class Services:
         """Find the depth of a pixel."""
         with self._steps.measure("lift"):
             return self._lift.lift(u, v, frame_stamp_ns)
+
+    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+        """Find where in a frame a hand may go."""
+        with self._steps.measure("allowed"):
+            return self._lift.allowed(frame_stamp_ns)
 
     def heights(self, frame_stamp_ns: int) -> HeightField:
         """Find how high things stand in a frame."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from w2c.errors import RefusedError, RemoteError, W2CError
 from w2c.messages import (
+    AllowedArea,
     Box,
     GoalReply,
     GroundingReply,
@@ -116,6 +117,21 @@ class TableTop:
         self.reach = 0.6
         self.heights_error: W2CError | None = None
         self.heights_of: list[int] = []
+        self.allowed_error: W2CError | None = None
+        self.cells = np.zeros((72, 128), np.uint8)
+        """Of the picture: 0 = a hand may go there; 10 px each"""
+
+    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+        """Return what the test says."""
+        if self.allowed_error is not None:
+            raise self.allowed_error
+        return AllowedArea(
+            stamp_ns=frame_stamp_ns,
+            width=1280,
+            height=720,
+            cells=self.cells,
+            reasons=["too steep", "no depth"],
+        )
 
     def heights(self, frame_stamp_ns: int) -> HeightField:
         """Return an empty table."""

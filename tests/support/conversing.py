@@ -6,13 +6,15 @@ import numpy as np
 
 from fakes.dialogue_world import GoalTaker, KnownThings, ScriptedModel, TableTop
 from w2c.clock import StepClock
-from w2c.messages import CameraView, GoalEvent, SayRequest, Turn
+from w2c.messages import AllowedArea, CameraView, GoalEvent, SayRequest, Turn
 from w2c_dialogue.advice.guard import Guard
+from w2c_dialogue.advice.pointing import MaskedPointing
 from w2c_dialogue.advice.veto import UncheckedVeto
 from w2c_dialogue.advice.watch import Watch
 from w2c_dialogue.advice.wordlist import VETOED
 from w2c_dialogue.frames import FrameStore
 from w2c_dialogue.interfaces import Frame
+from w2c_dialogue.limbs import Limbs
 from w2c_dialogue.pipeline import Dialogue
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
 
@@ -42,6 +44,8 @@ class World:
         self.add_frame(100)
         self.watch = Watch(self.grounding.find, (*VETOED, "glass"), patience_s=1.0)
         self.guard = Guard(self.watch, VETOED, share=0.3, margin=0.05, unchecked=self.unchecked)
+        self.limbs = Limbs(EmbeddedPrompts())
+        self.areas: list[AllowedArea] = []
         self.dialogue = Dialogue(
             self.model,
             self.grounding,
@@ -50,10 +54,15 @@ class World:
             prompts=EmbeddedPrompts(),
             frames=self.frames,
             guard=self.guard,
+            limbs=self.limbs,
+            masked=self.masked_pointing(),
             clock=self.clock,
             prefix="t",
         )
         self.shown = ""
+
+    def masked_pointing(self) -> MaskedPointing | None:
+        return None
 
     def add_frame(self, stamp_ns: int) -> None:
         self.frames.add_frame(Frame(stamp_ns, 1280, 720, b"jpeg"))

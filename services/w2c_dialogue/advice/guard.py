@@ -1,12 +1,15 @@
 """The veto list at the door: asked for the advice, and once more before anything moves."""
 
 from w2c.errors import CallError, RefusedError
+from w2c.messages import AllowedArea
 from w2c_dialogue.advice.heat import Place, hits
+from w2c_dialogue.advice.mask import with_veto
 from w2c_dialogue.advice.veto import UncheckedVeto, Verdict
 from w2c_dialogue.advice.watch import Watch
 from w2c_dialogue.advice.wordlist import named_in
 from w2c_dialogue.conversation import Shown
-from w2c_dialogue.frames import pixels_per_cm
+from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM, pixels_per_cm
+from w2c_dialogue.interfaces import Frame
 
 
 class Guard:
@@ -69,6 +72,19 @@ class Guard:
         if verdict.failure:
             return f" I did not look for what I must not touch: {verdict.failure}."
         return ""
+
+    def forbid(self, area: AllowedArea, frame: Frame) -> AllowedArea:
+        """Return an area without what must not be touched, with the margin around it.
+
+        The margin is taken at the usual scale of a picture: depth differs over the area.
+
+        Raises:
+            CallError: grounding cannot look.
+        """
+        if not self._phrases:
+            return area
+        seen = self._watch.look(frame).of(self._phrases)
+        return with_veto(area, seen, self._share, 100.0 * self._margin * DEFAULT_PIXELS_PER_CM)
 
     def place(self, shown: Shown) -> Place:
         """Return what is looked at around a target."""

@@ -20,7 +20,7 @@ class Desk:
         checks = Checks(
             world.guard,
             world.watch,
-            world.dialogue.limbs,
+            world.limbs,
             world.model,
             world.controller,
             fragile=("glass", "cloth"),

@@ -43,8 +43,8 @@ def test_without_a_radius_it_is_the_cell_that_holds_the_pixel(
     at: tuple[float, float],
 ) -> None:
     """The heatmap is a thumbnail of the picture; the last pixel's border belongs to the picture."""
-    row = min(int(at[1] * ROWS / HEIGHT), ROWS - 1)
-    column = min(int(at[0] * COLUMNS / WIDTH), COLUMNS - 1)
+    row = min(int(at[1] / (HEIGHT / ROWS)), ROWS - 1)
+    column = min(int(at[0] / (WIDTH / COLUMNS)), COLUMNS - 1)
     assert heat_at(seen(heatmap), place(*at)) == heatmap[row, column] / 255.0
 
 
