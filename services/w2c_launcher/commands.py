@@ -134,10 +134,12 @@ def _print_row(name: str, reports: list[Health]) -> None:
     if not reports:
         print(f"{name:<11} absent")
     for report in reports:
-        lost = sum(report.counters.values())
+        late = sum(n for cause, n in report.counters.items() if cause.startswith("late"))
+        lost = sum(report.counters.values()) - late
         print(
             f"{name:<11} {report.phase:<10} pid {report.pid:<7} cpu {report.cpu_percent:5.1f} %  "
-            f"memory {report.memory_mb:6.0f} MB  dropped or refused {lost}  {report.detail}"
+            f"memory {report.memory_mb:6.0f} MB  dropped or refused {lost}  "
+            f"late {late}  {report.detail}"
         )
 
 
