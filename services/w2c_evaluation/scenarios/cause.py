@@ -13,8 +13,8 @@ geometry  perception's point is more than 15 mm from what is truly behind the pi
           none.
 
 Where every turn was answered rightly and the operator gave up all the same, it is `operator`. A
-target that was confirmed at the right place and was not reached is `control`, unless a wrong hand
-or task was heard. `scene`: the place was hidden. `system`: a process failed.
+target that was confirmed at the right place and was refused or not reached is `control`, unless a
+wrong hand or task was heard. `scene`: the place was hidden. `system`: a process failed.
 """
 
 from math import hypot
@@ -41,17 +41,22 @@ def find_cause(prompt: Prompt, run: PromptRun, *, right_place: bool) -> Cause:
     """
     if run.wanted is None:
         return "scene"
-    if right_place and run.motion is not None:
-        heard = (run.motion.effector, run.motion.task)
-        return "control" if heard == (prompt.meaning.effector, prompt.meaning.task) else "words"
-    for turn in run.turns:
-        if words_are_wrong(turn, prompt.meaning):
-            return "words"
-        if vision_is_wrong(turn, prompt.meaning):
-            return "vision"
-        if geometry_is_wrong(turn):
-            return "geometry"
-    return "control" if right_place else "operator"
+    if right_place:
+        meant = (prompt.meaning.effector, prompt.meaning.task)
+        moved = run.motion
+        as_meant = moved is None or (moved.effector, moved.task) == meant
+        return "control" if as_meant else "words"
+    found = (_cause_of(turn, prompt.meaning) for turn in run.turns)
+    return next((cause for cause in found if cause is not None), "operator")
+
+
+def _cause_of(turn: Understood, meaning: Meaning) -> Cause | None:
+    """Return what of a turn was answered wrongly; None where all was right."""
+    if words_are_wrong(turn, meaning):
+        return "words"
+    if vision_is_wrong(turn, meaning):
+        return "vision"
+    return "geometry" if geometry_is_wrong(turn) else None
 
 
 def words_are_wrong(turn: Understood, meaning: Meaning) -> bool:

@@ -97,12 +97,13 @@ def judge(
         run = played.prompts[index] if index < len(played.prompts) else None
         found: list[str] = []
         place_error = hand_error = float("nan")
-        if run is None or run.wanted is None or run.motion is None:
-            found.append(run.problem if run and run.problem else f"'{prompt.text}' was not reached")
-        else:
+        if run is not None and run.wanted is not None:
             target = _confirmed_point(run.turns)
             if target is not None:
                 place_error = float(np.linalg.norm(target - run.wanted.point))
+        if run is None or run.wanted is None or run.motion is None:
+            found.append(run.problem if run and run.problem else f"'{prompt.text}' was not reached")
+        else:
             hand_error = _hand_error(prompt, run.motion, run.wanted, samples, robot.hand_radius)
             found += _motion_problems(prompt, run.motion, hand_error)
         place_errors.append(place_error)
@@ -220,7 +221,9 @@ def _is_down(sample: Sample) -> bool:
 
 
 def _confirmed_point(turns: Sequence[Understood]) -> Array | None:
-    """Return the point that was on the screen when it was confirmed (3,)."""
+    """Return the point that was on the screen when the operator said yes (3,); None = never."""
+    if not any(turn.kind in ("yes", "button") for turn in turns):
+        return None
     points = [turn.point for turn in turns if turn.point is not None]
     return np.array(points[-1]) if points else None
 

@@ -22,7 +22,10 @@ def wilson(successes: int, trials: int) -> tuple[float, float]:
     scale = 1.0 + Z_95**2 / trials
     middle = (rate + Z_95**2 / (2 * trials)) / scale
     half = Z_95 * sqrt(rate * (1.0 - rate) / trials + Z_95**2 / (4 * trials**2)) / scale
-    return max(0.0, middle - half), min(1.0, middle + half)
+    # Exact where rounding would leave a hair: without a success 0 is inside, without a failure 1.
+    low = middle - half if successes else 0.0
+    high = middle + half if successes < trials else 1.0
+    return low, high
 
 
 def make_rows(results: Sequence[RunResult]) -> list[dict[str, Any]]:

@@ -52,8 +52,7 @@ class Speaker:
         return saying
 
     def _last_move(self, sight: Sight) -> Pixel | None:
-        """Return how the point moved since the last correction; None where nothing is to see."""
+        """Return how the point moved since the last correction; None before the first."""
         if self._before is None:
             return None
-        move = sight.shown[0] - self._before[0], sight.shown[1] - self._before[1]
-        return move if max(abs(move[0]), abs(move[1])) >= 1.0 else None
+        return sight.shown[0] - self._before[0], sight.shown[1] - self._before[1]

@@ -66,10 +66,10 @@ def choose_words(sight: Sight, last: Pixel | None, rng: np.random.Generator) -> 
     """
     error = sight.error
     distance = hypot(*error)
-    sayings = [s for s in _sayings(sight, last, rng) if s.leaves(error) < distance]
-    if not sayings:
-        return None
+    sayings = list(_sayings(sight, last, rng))
     best = min(saying.leaves(error) for saying in sayings)
+    if best >= distance:
+        return None
     limit = best + WILLING * (distance - best)
     willing = [saying for saying in sayings if saying.leaves(error) <= limit]
     return willing[int(rng.integers(len(willing)))]

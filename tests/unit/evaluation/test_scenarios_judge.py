@@ -78,14 +78,17 @@ def turn(text: str, **changes: object) -> Understood:
     return Understood(**values)  # type: ignore[arg-type]
 
 
+YES = {"kind": "yes", "module": "confirmation"}
+
+
 def played() -> Played:
     lean = Motion("g1", "right_hand", "contact", 5 * 10**9, "loaded", "", 11 * 10**9, 13 * 10**9)
     reach = Motion("g2", "left_hand", "reach", 15 * 10**9, "reached", "", 22 * 10**9, 25 * 10**9)
     cup = turn("reach", phrases=("cup",), point=(1.1, 0.2, 0.86), true_owner="cup")
     return Played(
         [
-            PromptRun([turn("place")], BOOK, lean),
-            PromptRun([cup], CUP, reach),
+            PromptRun([turn("place"), turn("yes", **YES)], BOOK, lean),
+            PromptRun([cup, turn("yes", **{**YES, "point": None})], CUP, reach),
         ],
         ["g1", "g2"],
     )
@@ -237,6 +240,16 @@ BOOK_PROMPT = SCENARIO.prompts[0]
              "before": (465.0, 500.0)},
             "operator",
         ),
+        (
+            {"kind": "correction", "module": "correction", "meant": (200.0, 0.0),
+             "before": (360.0, 500.0)},
+            "operator",
+        ),
+        (
+            {"kind": "correction", "module": "correction", "meant": (10.0, 0.0),
+             "before": (481.0, 500.0)},
+            "operator",
+        ),
         ({"kind": "yes", "module": "correction"}, "words"),
         ({"kind": "yes", "module": "none", "reply": "cannot lean there"}, "operator"),
     ],
@@ -251,6 +264,26 @@ def test_a_right_target_that_is_not_reached_is_control_unless_the_wrong_hand_wen
     assert find_cause(BOOK_PROMPT, run, right_place=True) == "control"
     run.motion = Motion("g", "left_hand", "contact", 0)
     assert find_cause(BOOK_PROMPT, run, right_place=True) == "words"
+
+
+def test_a_wrong_place_that_was_reached_is_the_cause_that_led_there() -> None:
+    """The same run, with a target 6 cm from the place: not control."""
+    astray = played()
+    book = replace(BOOK, point=BOOK.point + np.array([0.06, 0.0, 0.0]))
+    astray.prompts[0] = PromptRun([turn("place", true_owner="table")], book, None, "gave up")
+    astray.prompts[0].turns.append(turn("yes", **YES))
+    found = verdict(what=astray)
+    assert found.place_errors_m[0] == pytest.approx(0.06)
+    assert conclude(SCENARIO, 0, astray, found).cause == "vision"
+
+
+def test_a_right_target_that_the_controller_refuses_is_control() -> None:
+    refused = played()
+    refused.prompts[0].motion = None
+    refused.prompts[0].problem = "not gone to: the way is blocked"
+    found = verdict(what=refused)
+    assert found.problems[0] == "not gone to: the way is blocked"
+    assert conclude(SCENARIO, 0, refused, found).cause == "control"
 
 
 def test_a_hidden_place_is_the_scene() -> None:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from w2c.geometry import Intrinsics, transform
+from w2c.geometry import Intrinsics, apply, inverse, transform
 from w2c_evaluation.scenarios.sight import ACCEPTED_M, ACCEPTED_PX, Circle, Sight, draw_circle
 from w2c_evaluation.scenarios.speaker import MOST_CORRECTIONS, GiveUp, Speaker, Yes
 from w2c_evaluation.scenarios.wording import REPEATS, Saying, choose_words
@@ -82,6 +82,18 @@ def test_a_point_that_did_not_move_is_no_move_to_speak_of() -> None:
     assert not set(texts) & {text for words in REPEATS.values() for text in words}
 
 
+@given(st.integers(0, 2**32), st.tuples(st.floats(-200.0, 200.0), st.floats(-200.0, 200.0)))
+def test_words_about_the_last_move_mean_a_part_of_it(seed: int, last: tuple[float, float]) -> None:
+    """Whether they are said or not: the error is twice the last move, so that they may be."""
+    assume(hypot(*last) > 10.0)
+    sight = Sight((500.0, 300.0), circle((500.0 + 2.0 * last[0], 300.0 + 2.0 * last[1])))
+    saying = choose_words(sight, last, np.random.default_rng(seed))
+    assert saying is not None
+    for factor, words in REPEATS.items():
+        if saying.text in words:
+            assert (saying.du, saying.dv) == (factor * last[0], factor * last[1])
+
+
 def test_what_the_operator_says_depends_on_the_generator_alone() -> None:
     sight = Sight((100.0, 100.0), circle((400.0, 300.0)))
     twice = [choose_words(sight, (30.0, 0.0), np.random.default_rng(7)) for _ in range(2)]
@@ -101,6 +113,24 @@ def test_the_circle_is_two_centimetres_on_the_surface(
     pixel = INTRINSICS.pixel_from_point(np.array([point[0], -point[1], 1.0]))
     assert place.holds(pixel) == (share < 1.0)
     assert place.pixels_per_cm == pytest.approx(9.38)
+
+
+@given(st.floats(0.0, 2 * np.pi), st.floats(-0.3, 0.3), st.sampled_from([0.8, 1.2]))
+def test_the_circle_is_foreshortened_by_a_camera_that_looks_ahead(
+    angle: float, x: float, share: float
+) -> None:
+    """Half-way down to a table a metre below, 1 m ahead: up to 5 % as on the table."""
+    tilted = np.array([[1.0, 0.0, 0.0], [0.0, -np.sqrt(0.5), np.sqrt(0.5)],
+                       [0.0, -np.sqrt(0.5), -np.sqrt(0.5)]])  # fmt: skip
+    camera = transform(tilted, (0.0, -1.0, 1.0))
+    place = draw_circle(np.array([x, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), camera, INTRINSICS)
+    radius = share * ACCEPTED_M
+    point = np.array([x + radius * np.cos(angle), radius * np.sin(angle), 0.0])
+    pixel = INTRINSICS.pixel_from_point(apply(inverse(camera), point))
+    assume(hypot(pixel[0] - place.centre[0], pixel[1] - place.centre[1]) > ACCEPTED_PX)
+    assert place.holds(pixel) == (share < 1.0)
+    on_surface = place.metres_from_pixels @ np.subtract(pixel, place.centre)
+    assert np.linalg.norm(on_surface) == pytest.approx(radius, rel=0.05)
 
 
 def test_what_nobody_can_see_is_accepted() -> None:

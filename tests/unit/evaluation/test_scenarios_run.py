@@ -118,6 +118,7 @@ def test_words_that_name_a_thing() -> None:
     assert book.find("Cheez-It box") == ["crackers"]
     assert book.find("red cup") == ["cup", "mug"]
     assert book.find("spoon") == []
+    assert book.find("black cup") == []
     assert book.find("the") == []
 
 
