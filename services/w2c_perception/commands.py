@@ -1,5 +1,6 @@
-"""`w2c lift U V`: what perception sees behind a pixel of the newest picture."""
+"""`w2c lift U V` and `w2c cloud FILE`: what perception sees in the newest picture."""
 
+from pathlib import Path
 from typing import Annotated
 
 import msgspec
@@ -10,9 +11,11 @@ from w2c import topics
 from w2c.bus import Bus
 from w2c.bus.zenoh_bus import connect
 from w2c.config import parse
-from w2c.errors import DeadlineError
-from w2c.messages import LiftReply, LiftRequest
+from w2c.errors import ConfigError, DeadlineError
+from w2c.messages import LiftReply, LiftRequest, PointCloudRequest
 from w2c.system import Connection, service_config
+from w2c_perception.fitness import Demands, Shape, judge
+from w2c_perception.ply import encode_ply
 
 _WAIT_FOR_PICTURE_S = 5.0
 
@@ -39,12 +42,50 @@ def lift(arguments: list[str] | None = None) -> int:
         request = LiftRequest(
             u=config.u, v=config.v, frame_stamp_ns=stamp, footprint=config.footprint
         )
-        print(describe(bus.call(topics.LIFT, request).message))
+        print(describe(bus.call(topics.LIFT, request).message, config.footprint))
     return 0
 
 
-def describe(reply: LiftReply) -> str:
-    """Return a surface in words and numbers."""
+class CloudConfig(Connection, frozen=True, kw_only=True):
+    """Write what stands in a box of the world as coloured points."""
+
+    file: Annotated[Path, tyro.conf.Positional]
+    """To write, in the PLY format."""
+    stamp: int = -1
+    """Of the picture [ns]; -1 = the newest."""
+    low: tuple[float, float, float] = (0.0, -1.0, -0.1)
+    """Corner of the box with the smallest coordinates: ahead, left, up [m]."""
+    high: tuple[float, float, float] = (2.0, 1.0, 2.0)
+    """The opposite corner [m]."""
+    voxel: Annotated[float, msgspec.Meta(ge=0.001, le=0.5)] = 0.005
+    """Points in one cube of this side become one [m]."""
+
+
+def cloud(arguments: list[str] | None = None) -> int:
+    """Write coloured points to a file."""
+    config = parse(CloudConfig, arguments or [], program="w2c cloud")
+    try:
+        request = PointCloudRequest(
+            frame_stamp_ns=0, low=config.low, high=config.high, voxel=config.voxel
+        )
+    except ValueError as error:
+        raise ConfigError(f"{error}; choose other --low and --high") from error
+    service = service_config(config)
+    with connect(service, "operator", [service.router]) as bus:
+        stamp = config.stamp if config.stamp >= 0 else _newest_stamp(bus)
+        request = msgspec.structs.replace(request, frame_stamp_ns=stamp)
+        reply = bus.call(topics.POINT_CLOUD, request).message
+    comment = f"robot {service.robot}, picture of {stamp} ns, metres in the world, z up"
+    try:
+        config.file.write_bytes(encode_ply(reply.points, reply.colours, comment))
+    except OSError as error:
+        raise ConfigError(f"{config.file} cannot be written: {error}") from error
+    print(f"{len(reply.points)} points of the picture of {stamp} ns in {config.file}")
+    return 0
+
+
+def describe(reply: LiftReply, footprint: float) -> str:
+    """Return a surface in words and numbers, and whether it can carry a hand of this radius [m]."""
     x, y, z = reply.point
     lines = [
         f"point    {x:.4f} {y:.4f} {z:.4f} m, within {reply.error_bound * 1000:.1f} mm",
@@ -54,6 +95,11 @@ def describe(reply: LiftReply) -> str:
         f"seen {reply.extent * 100:.1f} cm around",
         f"picture  {reply.frame_stamp_ns} ns",
     ]
+    shape = Shape(
+        reply.normal, reply.error_bound, reply.flatness, reply.extent, reply.edge_distance
+    )
+    for verdict in judge(shape, Demands(radius=footprint)):
+        lines.append(f"{'fit' if verdict.fit else 'NOT FIT':9s}{verdict.reason}")
     return "\n".join(lines + ([f"warning  {reply.warning}"] if reply.warning else []))
 
 

@@ -30,8 +30,8 @@ ENDED = 0.55
 BENDS = 25.0
 """Second-order terms count where they explain so many noise variances (chi square, three degrees
 of freedom)"""
-REPEATS = 2
-"""How often points are chosen and fitted anew in a disc"""
+LAST_REPEATS = 2
+"""How often points are chosen and fitted in the last disc; once in those before"""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,8 @@ def grow(depth: Depth, seed: Seed, focal: float, footprint: float, sigma: float)
     while radius < largest:
         radius = min(largest, GROWTH * radius)
         found = samples(depth, seed.u, seed.v, radius)
-        larger = _Disc(found, seed, radius, sigma).go_on_from(best.patch)
+        repeats = 1 if radius < largest else LAST_REPEATS
+        larger = _Disc(found, seed, radius, sigma).go_on_from(best.patch, repeats)
         if larger is None or larger.share < ENDED:
             break
         best = larger
@@ -88,16 +89,15 @@ def _first(depth: Depth, seed: Seed, radius: float, focal: float, sigma: float) 
     """
     found = samples(depth, seed.u, seed.v, radius)
     same = _consensus(found, seed, focal, sigma)
-    start = None
-    if same.sum() >= MIN_POINTS:
-        start = _Disc(found, seed, radius, sigma).fit(same)
+    disc = _Disc(found, seed, radius, sigma)
+    start = disc.fit(same) if same.sum() >= MIN_POINTS else None
     if start is None:
         raise RefusedError(
             f"only {int(same.sum())} points of one surface with depth within {radius:.0f} px of "
             f"pixel ({int(seed.u)}, {int(seed.v)}), a plane needs {MIN_POINTS} that are not on a "
             "line; choose a larger surface or come closer"
         )
-    refined = _Disc(found, seed, radius, sigma).go_on_from(start)
+    refined = disc.go_on_from(start, 1)
     return refined if refined is not None else Piece(start, radius, float(same.mean()))
 
 
@@ -138,10 +138,10 @@ class _Disc:
         self._tolerance = AGREES * sigma * square
         self._rows = terms(found.u, found.v, self._middle, radius, QUADRATIC)
 
-    def go_on_from(self, patch: Patch) -> Piece | None:
+    def go_on_from(self, patch: Patch, repeats: int) -> Piece | None:
         """Return the piece that goes on from a former one; None where too little agrees."""
         found: Patch | None = patch
-        for _ in range(REPEATS):
+        for _ in range(repeats):
             if found is None:
                 return None
             expected = self._foretold(found)

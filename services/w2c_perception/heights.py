@@ -65,7 +65,7 @@ def height_field(
     inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
     inside &= points[:, 2] < CEILING
     points, index = points[inside], (row * columns + column)[inside]
-    kept = ~_on_arms(points, arms)
+    kept = ~on_arms(points, arms)
     points, index = points[kept], index[kept]
     highest = np.full(rows * columns, -np.inf)
     np.maximum.at(highest, index, points[:, 2])
@@ -84,7 +84,7 @@ def _points(depth: Depth, intrinsics: Intrinsics, world_from_camera: Matrix) -> 
     return apply(world_from_camera, z[:, None] * along)
 
 
-def _on_arms(points: Points, arms: Points) -> npt.NDArray[np.bool_]:
+def on_arms(points: Points, arms: Points) -> npt.NDArray[np.bool_]:
     """Return which points (n,) are within `ARM_RADIUS` of a segment."""
     found = np.zeros(len(points), dtype=bool)
     if not len(arms):

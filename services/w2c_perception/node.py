@@ -8,6 +8,8 @@ from w2c.bus import Bus, CallContext, Received
 from w2c.clock import Clock
 from w2c.errors import CallError, GeometryError, MessageError, RefusedError
 from w2c.messages import (
+    AllowedArea,
+    AllowedAreaRequest,
     CameraFrame,
     CameraView,
     Empty,
@@ -20,6 +22,7 @@ from w2c.messages import (
     RobotState,
 )
 from w2c.messages.cloud import MAX_POINTS
+from w2c_perception.allowed import REASONS, allowed_cells
 from w2c_perception.buffer import View, ViewBuffer
 from w2c_perception.cloud import Box, decode_colours, point_cloud
 from w2c_perception.config import PerceptionConfig
@@ -58,6 +61,7 @@ class PerceptionNode:
         self._bus.serve(topics.LIFT, self._lift, workers=2)
         self._bus.serve(topics.HEIGHT_FIELD, self._heights)
         self._bus.serve(topics.POINT_CLOUD, self._cloud)
+        self._bus.serve(topics.FIND_ALLOWED_AREA, self._allowed)
 
     def run(self, stop: threading.Event) -> None:
         """Remember until `stop`."""
@@ -210,6 +214,18 @@ class PerceptionNode:
             origin=(area.x[0], area.y[0]),
             cell=area.cell,
             heights=heights,
+        )
+
+    def _allowed(self, request: AllowedAreaRequest, _context: CallContext) -> AllowedArea:
+        """Answer where in a picture a surface can carry a hand."""
+        view, depth = self._look(request.frame_stamp_ns)
+        cells = allowed_cells(depth, view.intrinsics, view.pose.world_from_camera, view.pose.arms)
+        return AllowedArea(
+            stamp_ns=view.stamp_ns,
+            width=view.width,
+            height=view.height,
+            cells=cells,
+            reasons=list(REASONS),
         )
 
     def _cloud(self, request: PointCloudRequest, _context: CallContext) -> PointCloud:

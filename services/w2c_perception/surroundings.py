@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from w2c.geometry import Intrinsics, Vector, unit
+from w2c.geometry import Intrinsics, Vector, frame_from_normal
 from w2c_perception.patch import rays
 from w2c_perception.window import Depth, Points
 
@@ -18,6 +18,8 @@ LARGEST = 0.25
 """Nobody asks how a surface goes on beyond this [m]"""
 RING_STEP = 0.005
 RING_POINTS = 48
+_ANGLES = np.linspace(0.0, 2.0 * np.pi, RING_POINTS, endpoint=False)[:, None]
+_COSINES, _SINES = np.cos(_ANGLES), np.sin(_ANGLES)
 TOLERANCE = 0.006
 """Depth this far from the plane is another surface [m]"""
 NOISY = 3.0
@@ -53,7 +55,7 @@ def look_around(
         sigma: noise of depth at the point [m].
     """
     radii = np.arange(RING_STEP, LARGEST + 1e-9, RING_STEP)
-    rings = point + radii[:, None, None] * circle(normal, RING_POINTS)  # (radii, ring, 3)
+    rings = point + radii[:, None, None] * circle(normal)  # (radii, ring, 3)
     z = np.maximum(rings[..., 2], 1e-6)
     columns = np.floor(rings[..., 0] / z * intrinsics.fx + intrinsics.cx)
     rows = np.floor(rings[..., 1] / z * intrinsics.fy + intrinsics.cy)
@@ -109,10 +111,7 @@ def _edge(radii: Points, surface: npt.NDArray[np.bool_], past: npt.NDArray[np.bo
     return nearest
 
 
-def circle(normal: Vector, count: int) -> Points:
-    """Return unit vectors (count, 3) all around a normal."""
-    reference = np.array([1.0, 0.0, 0.0]) if abs(normal[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    first = unit(np.cross(normal, reference))
-    second = np.cross(normal, first)
-    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    return np.asarray(np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second)
+def circle(normal: Vector) -> Points:
+    """Return unit vectors (RING_POINTS, 3) all around a normal."""
+    x, y, _ = frame_from_normal(normal).T
+    return np.asarray(_COSINES * x + _SINES * y)

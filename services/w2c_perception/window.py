@@ -85,14 +85,10 @@ def noise(depth: Depth, u: float, v: float, depth_unit: float) -> float:
     z = window.astype(np.float64)
     known = z > 0.0
     bends = []
-    for axis in (0, 1):
-        if z.shape[axis] < 3:
-            continue
-        a, b, c = (np.take(z, range(k, z.shape[axis] - 2 + k), axis) for k in range(3))
-        sure = np.take(known, range(z.shape[axis] - 2), axis)
-        sure = sure & np.take(known, range(1, z.shape[axis] - 1), axis)
-        sure = sure & np.take(known, range(2, z.shape[axis]), axis)
-        bends.append((a - 2.0 * b + c)[sure])
+    for across, sure in ((z, known), (z.T, known.T)):
+        if len(across) > 2:
+            all_three = sure[:-2] & sure[1:-1] & sure[2:]
+            bends.append((across[:-2] - 2.0 * across[1:-1] + across[2:])[all_three])
     found = np.concatenate(bends) if bends else np.zeros(0)
     smallest = max(SMALLEST_NOISE, depth_unit / np.sqrt(12.0))
     if len(found) < NOISE_SAMPLES:

@@ -12,7 +12,7 @@ from w2c.errors import MissingExtraError, W2CError
 GROUPS = {
     "processes": ("up", "down", "status", "doctor", "demo", "router"),
     "operator": ("say", "confirm", "place", "release", "stop", "resume"),
-    "look": ("ground", "lift"),
+    "look": ("ground", "lift", "cloud"),
     "recordings": ("record", "recording"),
     "measure and train": ("bench", "evaluate", "train", "scenes"),
     "one service": (
