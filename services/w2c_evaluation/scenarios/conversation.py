@@ -92,7 +92,8 @@ class Conversation:
         deadline = time.monotonic() + STAND_PATIENCE_S
         while time.monotonic() < deadline:
             status = self._status.wait(0.5)
-            if status is not None and status.message.phase == "hold" and self._views.last():
+            standing = status is not None and status.message.phase == "hold"
+            if standing and self._views.last() and self._log.newest_ns >= 0:
                 return
         raise ScenarioError("the robot does not stand, or the camera gives no picture")
 
@@ -124,7 +125,8 @@ class Conversation:
             run.problem = run.problem or f"no target: {run.turns[-1].reply}"
             return
         self._follow(run.motion)
-        self._film.take(self._outside(), prompt.text)
+        limb = run.motion.effector.replace("_", " ")
+        self._film.take(self._outside(), f"{limb}: {run.motion.state}")
 
     def _say(
         self, said: Prompt | Saying | Yes, run: PromptRun, target: Target | None
@@ -267,7 +269,8 @@ class Conversation:
     def _outside(self) -> bytes:
         """Return a picture of the robot from its side; b"" where none comes."""
         try:
-            return self._bus.call(topics.PICTURE, PictureRequest(view="side")).message.jpeg
+            request = PictureRequest(view="side", width=960, height=540)
+            return self._bus.call(topics.PICTURE, request).message.jpeg
         except CallError:
             return b""
 
