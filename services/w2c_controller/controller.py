@@ -13,10 +13,11 @@ import numpy.typing as npt
 from msgspec.structs import replace
 
 from w2c.messages import JointCommand, RobotDescription, RobotState
-from w2c.messages.control import Phase
+from w2c.messages.control import Phase, SafetyCause
+from w2c_controller.goals.agenda import Agenda
 from w2c_controller.goals.body import Body
 from w2c_controller.goals.planner import RoutePlanner
-from w2c_controller.goals.requests import Request, Requests, Situation
+from w2c_controller.goals.requests import Requests
 from w2c_controller.kinematics.model import build_model
 from w2c_controller.kinematics.vectors import largest_difference
 from w2c_controller.loop.summary import Snapshot, summarize
@@ -32,7 +33,7 @@ from w2c_controller.snapshots.handout import Handout
 from w2c_controller.snapshots.snapshot import capture_controller
 from w2c_controller.snapshots.state_tree import restore
 from w2c_controller.solvers import FallbackSolver
-from w2c_controller.switching.events import Event, EventState
+from w2c_controller.switching.events import Event
 from w2c_controller.whole_body import WholeBody
 
 Vector = npt.NDArray[np.float64]
@@ -40,8 +41,8 @@ Vector = npt.NDArray[np.float64]
 FOREIGN_COMMAND = 0.03
 """A command in force that differs more from ours is not ours: go on from it [rad]."""
 OWN = (
-    "requests", "description", "parameters", "model", "solvers", "_events", "_holds", "_stop",
-    "_handout", "_restraint", "takeover", "retargeting", "force_control",
+    "requests", "description", "parameters", "model", "solvers", "_agenda", "_handout",
+    "_restraint", "takeover", "retargeting", "force_control",
 )  # fmt: skip
 """What a controller that goes on from a snapshot has of its own."""
 
@@ -66,6 +67,7 @@ class Controller:
             self.posture,
             RoutePlanner(self.model, self.body.at_rest, self.parameters.motion),
         )
+        self._agenda = Agenda(self.requests, self.body)
         limits = joint_limits(description)
         self._guards = Guards(description, limits, self.parameters.guards, self.dt)
         names = [joint.name for joint in description.joints]
@@ -73,7 +75,6 @@ class Controller:
         self._holds = Holds(self.dt)
         self.takeover = Takeover(self.body, self.model.joint_indices)
         """Has to be done before anything moves"""
-        self._events: list[Event] = []
         self._command = np.array(description.initial_position)
         self._blend = Blend(self._command, self.parameters.motion.blend_time, self.dt)
         self._tick = 0
@@ -103,12 +104,12 @@ class Controller:
         if self._holds:
             return self._hold(state)
         self._go_on(state)
-        self._begin_requests()
+        self._agenda.begin_due(self._tick, self._holds)
         self._sense(state)
-        self._events.extend(self.body.switch())
+        self._agenda.advance()
         self._solve()
         self._command_joints()
-        self._publish_situation()
+        self._agenda.publish(self._tick, self._holds)
         self._handout.serve(self.retargeting.state.copy)
         return self._answer()
 
@@ -125,6 +126,7 @@ class Controller:
         self.body.begin(self.body.initial_joints, {}, state.command)
         restore(self, tree)
         self.takeover.done = True
+        self._agenda.open()
 
     # --- asked for from other threads ------------------------------------------------------------
     def freeze(self, reason: str) -> None:
@@ -153,10 +155,12 @@ class Controller:
 
     def take_events(self) -> list[Event]:
         """Return what happened to goals since the last call."""
-        if not self._events:
-            return []
-        events, self._events = self._events, []
-        return events
+        return self._agenda.take_events()
+
+    @property
+    def waits(self) -> tuple[SafetyCause, ...]:
+        """Which hazards hold the robot until an operator says resume."""
+        return self._holds.waiting
 
     def set_stale(self, stale: bool) -> None:
         """Note that states stopped coming: goals are refused until they come again."""
@@ -175,9 +179,10 @@ class Controller:
         """Begin with the robot from the command in force, or hold until that is possible."""
         if self._holds:
             return
-        self.takeover.attempt(state, self._holds)
+        self.takeover.attempt(state, self._holds, self._stop)
         if self.takeover.done:
-            self._abort_goals("the controller was restarted; hands stay where they are")
+            self._agenda.open()
+            self._agenda.abort("the controller was restarted; hands stay where they are")
             self._rejoin(state)
 
     def _guard_state(self, state: RobotState) -> None:
@@ -201,14 +206,14 @@ class Controller:
             self._keep(state)
         if not holds.active("sensor_not_finite"):
             self._sense(state)
-        self._publish_situation()
+        self._agenda.publish(self._tick, self._holds)
         return self._answer()
 
     def _abort_when_overdue(self) -> None:
         """End goals once this is more than a pause."""
         if not self._aborted and self._holds.must_hold(self._tick):
             self._aborted = True
-            self._abort_goals(self._holds.text())
+            self._agenda.abort(self._holds.text())
 
     def _go_on(self, state: RobotState) -> None:
         """Begin again from the command in force, after a hold or where it is not ours."""
@@ -225,13 +230,6 @@ class Controller:
         """Take the command in force, whoever gave it, for one's own."""
         if np.isfinite(state.command).all():
             self._command = state.command.copy()
-
-    def _abort_goals(self, reason: str) -> None:
-        for request in self.requests.clear():
-            self._events.append(_event(request, "aborted", reason))
-        if self.takeover.done:
-            self.body.switching.abort(reason)
-            self._events.extend(self.body.switch())
 
     # --- parts of a tick -------------------------------------------------------------------------
     def _sense(self, state: RobotState) -> None:
@@ -267,36 +265,6 @@ class Controller:
     def _answer(self) -> JointCommand:
         return JointCommand(tick=self._tick, position=self._command.copy())
 
-    def _begin_requests(self) -> None:
-        for request in self.requests.due(self._tick):
-            conflict = self.requests.conflict(request.effector)
-            if conflict:
-                self._events.append(_event(request, "aborted", conflict))
-                continue
-            self._events.append(_event(request, "accepted"))
-            if request.goal is not None:
-                self.body.switching.place(request.goal)
-            else:
-                self.body.switching.release(request.goal_id, request.effector)
-            self._publish_situation()
-
-    def _publish_situation(self) -> None:
-        """Let those who admit goals know what is under way."""
-        if not self.takeover.done:
-            self.requests.situation = Situation(tick=self._tick, holding=self._holds.text())
-            return
-        switching = self.body.switching
-        self.requests.situation = Situation(
-            tick=self._tick,
-            ready=True,
-            stopped=self._holds.active("stopped"),
-            holding=self._holds.text(),
-            busy_id=switching.busy_with(),
-            busy_effector=switching.busy_effector(),
-            away=self.body.away(),
-            enabled=self.retargeting.state.enabled,
-        )
-
     def _message(self) -> str:
         """Return for the operator why the robot holds; "" = it does not."""
         if self._holds:
@@ -311,8 +279,3 @@ class Controller:
         if not self.takeover.done or (not self._blend.done and self.body.switching.phase == "hold"):
             return "starting"
         return self.body.switching.phase
-
-
-def _event(request: Request, state: EventState, reason: str = "") -> Event:
-    task = request.goal.task if request.goal is not None else "contact"
-    return Event(request.goal_id, request.effector, task, state, reason)

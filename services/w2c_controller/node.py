@@ -72,7 +72,7 @@ class ControllerNode:
         self._keeper = Keeper(bus, config.run_directory)
         self._snapshots: Handout[ControllerSnapshot] = Handout()
         self._last = self._keeper.last()
-        self._kept: tuple[str, Enabled] = "", STANDING
+        self._kept: tuple[str, Enabled, tuple[str, ...]] = "", STANDING, ()
         self._begun = ""
         self.search = SearchProcess()
         self._calls = Calls(bus, self.search)
@@ -193,9 +193,9 @@ class ControllerNode:
         self._keep_snapshot(state)
 
     def _keep_snapshot(self, state: RobotState) -> None:
-        """Take a snapshot once a second, when something switched, and when somebody asks."""
+        """Take a snapshot once a second, when something switched or holds, and when one asks."""
         controller = self.controller
-        now = controller.phase, controller.retargeting.state.enabled
+        now = controller.phase, controller.retargeting.state.enabled, controller.waits
         switched = now != self._kept
         periodic = state.tick % SNAPSHOT_EVERY == SNAPSHOT_PHASE
         if not controller.takeover.done or not (switched or periodic or self._snapshots):

@@ -142,9 +142,20 @@ class Holds:
 
     def resume(self, tick: int) -> None:
         """End all that waits for an operator. What is still there is found again at once."""
-        for cause in tuple(self._active):
-            if RULES[cause].resumes == "after resume":
-                self._end(cause, tick)
+        for cause in self.waiting:
+            self._end(cause, tick)
+
+    @property
+    def waiting(self) -> tuple[SafetyCause, ...]:
+        """Which of them wait for an operator."""
+        if not self._active:
+            return ()
+        return tuple(cause for cause in self._active if RULES[cause].resumes == "after resume")
+
+    def inherit(self, previous: "Holds", tick: int) -> None:
+        """Go on with what made a controller before this one wait for an operator."""
+        for cause in previous.waiting:
+            self.found(previous._active[cause].hazard, tick)
 
     def active(self, cause: SafetyCause) -> bool:
         """Return whether this is one of the hazards now."""

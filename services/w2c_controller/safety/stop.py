@@ -23,6 +23,11 @@ class Stop:
         """End this, and other holds that wait for an operator, at the next tick."""
         self._resume_asked = True
 
+    def inherit(self, previous: "Stop") -> None:
+        """Go on with a stop of the controller before this one that did not reach the driver."""
+        if previous._asked and not self._asked:
+            self._asked, self._reason = True, previous._reason
+
     def obey(self, mode: DriverMode, holds: Holds, tick: int) -> bool:
         """Begin or end what the operator asked for; returns whether it was to go on."""
         if mode == "stopped":

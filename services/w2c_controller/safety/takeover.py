@@ -10,9 +10,10 @@ from w2c.messages import ControllerSnapshot, RobotState
 from w2c_controller.kinematics.model import standing_configuration
 from w2c_controller.parameters import EFFECTORS, HANDS
 from w2c_controller.safety.hazards import Hazard, Holds
+from w2c_controller.safety.stop import Stop
 from w2c_controller.seiko.retargeting import Retargeting
 from w2c_controller.sensing.loads import Measured
-from w2c_controller.snapshots.snapshot import BODY, refusal
+from w2c_controller.snapshots.snapshot import BODY, HOLDS, STOP, refusal
 from w2c_controller.snapshots.state_tree import SnapshotError, restore
 from w2c_controller.whole_body import WholeBody
 
@@ -97,6 +98,7 @@ class Takeover:
         self._body = body
         self._indices = joint_indices
         self._offered: tuple[ControllerSnapshot, str] | None = None
+        self._inherited = False
         self.adopts = False
         """Whether hands that bear weight are supports, on the word of an operator"""
         self.done = False
@@ -107,12 +109,19 @@ class Takeover:
         """Take the newest snapshot of a controller that is no more, and the robot's boot id now."""
         self._offered = snapshot, robot_boot_id
 
-    def attempt(self, state: RobotState, holds: Holds) -> None:
+    def attempt(self, state: RobotState, holds: Holds, stop: Stop) -> None:
         """Begin with a robot in this state, or hold until that is possible.
+
+        Args:
+            state: Of the robot now.
+            holds: Filled with what made the last controller wait for an operator, whether its
+                snapshot fits or not.
+            stop: As above.
 
         Raises:
             ControlError: the posture cannot stand.
         """
+        self._inherit(state, holds, stop)
         body, joints = self._body, state.position[self._indices]
         measured = body.weigh(state)
         why_not = self._from_snapshot(state, measured)
@@ -126,6 +135,24 @@ class Takeover:
         body.begin(posture, supports, state.command, measured)
         self.how = f"leaning with {len(supports)} hands" if supports else "standing"
         self.done = True
+
+    def _inherit(self, state: RobotState, holds: Holds, stop: Stop) -> None:
+        """Wait for an operator where the last controller of this robot did."""
+        if self._offered is None or self._inherited:
+            return
+        self._inherited = True
+        snapshot, robot_boot_id = self._offered
+        if snapshot.robot_boot_id != robot_boot_id or snapshot.tick > state.tick:
+            return
+        last_holds, last_stop = Holds(0.0), Stop()
+        try:
+            restore(last_holds, snapshot.state[HOLDS])
+            restore(last_stop, snapshot.state[STOP])
+        except (KeyError, SnapshotError) as error:
+            stop.ask(f"whether the last controller held cannot be read: {error}")
+            return
+        holds.inherit(last_holds, state.tick)
+        stop.inherit(last_stop)
 
     def _from_snapshot(self, state: RobotState, measured: Measured) -> str:
         """Go on where another controller was, contacts kept; returns why not, "" = done or none."""

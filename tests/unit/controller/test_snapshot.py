@@ -1,9 +1,9 @@
 """A snapshot holds all: another controller that is given it gives the same commands, bit by bit."""
 
-import copy
 from dataclasses import dataclass, field
 
 import msgspec
+import mujoco
 import numpy as np
 import pytest
 
@@ -11,6 +11,7 @@ from support.leaning import ClosedLoop, place
 from w2c.bus.codec import decode_message, encode_message
 from w2c.messages import Array, ControllerSnapshot, ReleaseGoal, RobotDescription, RobotState
 from w2c_controller.controller import Controller
+from w2c_sim_robot.physics import Simulator
 from w2c_sim_robot.scenes.scenario_a import scenario_a
 
 BODY = "w2c_controller.whole_body.WholeBody"
@@ -107,15 +108,24 @@ def test_a_snapshot_is_small(session: Session) -> None:
     assert all(len(moment.payload) < 100_000 for moment in session.moments.values())
 
 
+def twin(simulator: Simulator, description: RobotDescription) -> Simulator:
+    """Return another robot in the same state."""
+    made, kind = Simulator(simulator.model, description), mujoco.mjtState.mjSTATE_INTEGRATION
+    state = np.zeros(mujoco.mj_stateSize(made.model, kind))
+    mujoco.mj_getState(simulator.model, simulator._data, state, kind)
+    mujoco.mj_setState(made.model, made._data, state, kind)
+    mujoco.mj_forward(made.model, made._data)
+    made._command, made._tick = simulator.command, simulator.tick
+    return made
+
+
 class Resumed:
     """A robot that held its last command for a while, and a new controller."""
 
-    def __init__(self, session: Session, description: RobotDescription) -> None:
-        self.simulator = copy.deepcopy(session.simulator)
+    def __init__(self, session: Session, holding: Simulator, description: RobotDescription) -> None:
+        self.simulator = twin(holding, description)
         self.snapshot = decode_message(session.moments["leaning"].payload, ControllerSnapshot)
         self.command = session.controller.command
-        for _ in range(200):
-            self.simulator.step(self.command)
         self.controller = Controller(description)
 
     def state(self) -> RobotState:
@@ -126,9 +136,18 @@ class Resumed:
             self.simulator.step(self.controller.tick(self.state()).position)
 
 
+@pytest.fixture(scope="module")
+def holding(session: Session, description: RobotDescription) -> Simulator:
+    """A robot without a controller, for 0.4 s."""
+    simulator = twin(session.simulator, description)
+    for _ in range(200):
+        simulator.step(session.controller.command)
+    return simulator
+
+
 @pytest.fixture
-def resumed(session: Session, description: RobotDescription) -> Resumed:
-    return Resumed(session, description)
+def resumed(session: Session, holding: Simulator, description: RobotDescription) -> Resumed:
+    return Resumed(session, holding, description)
 
 
 def test_a_controller_that_died_leaning_goes_on_leaning_without_moving(resumed: Resumed) -> None:
