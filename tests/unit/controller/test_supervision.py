@@ -1,5 +1,6 @@
 """Contacts that do not hold: lost, slipping, overloaded, or met where none should be."""
 
+import copy
 from collections.abc import Callable
 
 import numpy as np
@@ -21,8 +22,8 @@ RADIUS = 0.05
 """Of the ball [m]."""
 
 
-@pytest.fixture
-def leaning(model: ControlledModel, joints: Array) -> ContactWorld:
+@pytest.fixture(scope="module")
+def leaning_once(model: ControlledModel, joints: Array) -> ContactWorld:
     """The right hand leans, the left is on its way to a cup."""
     world = ContactWorld(model, joints, {RIGHT_HAND: TABLE})
     world.switching.place(make_goal(BOOK, goal_id="lean"))
@@ -32,6 +33,12 @@ def leaning(model: ControlledModel, joints: Array) -> ContactWorld:
     world.run(1.5)
     assert world.findings == []
     return world
+
+
+@pytest.fixture
+def leaning(leaning_once: ContactWorld, model: ControlledModel) -> ContactWorld:
+    """A copy for each test to spoil."""
+    return copy.deepcopy(leaning_once, {id(model): model})
 
 
 def rotation_about_y(angle: float) -> Array:
