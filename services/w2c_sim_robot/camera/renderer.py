@@ -36,7 +36,12 @@ class Renderer:
         """Take the largest size that will be asked for.
 
         `hardware_samples` > 0 smooths every picture, and makes its depth useless at edges.
+
+        Raises:
+            ConfigError: a size without pixels, or no OpenGL.
         """
+        if width < 1 or height < 1:
+            raise ConfigError(f"a camera of {width}x{height} px; ask for 1x1 px or more")
         self._model = model
         self._largest = (width, height)
         model.vis.global_.offwidth = SUPERSAMPLING * width
@@ -82,14 +87,28 @@ class Renderer:
         hidden_groups: tuple[int, ...] = (),
     ) -> npt.NDArray[np.int32]:
         """Return (h, w): the id of the geom that each pixel shows, -1 where none is."""
+        return self.survey(data, camera, size=size, hidden_groups=hidden_groups)[0]
+
+    def survey(
+        self,
+        data: mujoco.MjData,
+        camera: str,
+        *,
+        size: tuple[int, int] | None = None,
+        hidden_groups: tuple[int, ...] = (),
+    ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float32]]:
+        """Return the geoms that `segment` returns, and z-depth (h, w) [m], exact up to edges.
+
+        Nothing is smoothed here, whatever `hardware_samples` is.
+        """
         flags = {mujoco.mjtRndFlag.mjRND_SEGMENT: True, mujoco.mjtRndFlag.mjRND_IDCOLOR: True}
-        rgb, _ = self._render(data, camera, self._size(size), hidden_groups, flags)
+        rgb, depth = self._render(data, camera, self._size(size), hidden_groups, flags)
         code = rgb.astype(np.int32) @ np.array([1, 2**8, 2**16], dtype=np.int32)  # (h, w)
         geom_of_code = np.full(self._scene.ngeom + 1, -1, dtype=np.int32)
         for geom in self._scene.geoms[: self._scene.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
                 geom_of_code[geom.segid + 1] = geom.objid
-        return np.asarray(geom_of_code[code], dtype=np.int32)
+        return np.asarray(geom_of_code[code], dtype=np.int32), depth
 
     def close(self) -> None:
         """Free the graphics context. Idempotent."""
@@ -101,6 +120,8 @@ class Renderer:
 
     def _size(self, size: tuple[int, int] | None) -> tuple[int, int]:
         width, height = self._largest if size is None else size
+        if width < 1 or height < 1:
+            raise ConfigError(f"a picture of {width}x{height} px; ask for 1x1 px or more")
         if width > self._largest[0] or height > self._largest[1]:
             raise ConfigError(
                 f"a picture of {width}x{height} px was asked of a renderer made for "

@@ -9,11 +9,13 @@ import numpy.typing as npt
 from w2c_sim_robot import talos
 from w2c_sim_robot.camera.renderer import Image, Renderer
 from w2c_sim_robot.model import HEAD_CAMERA, HEAD_SHELL_GROUP, build_model, ready_configuration
+from w2c_sim_robot.scenes.assets import Asset, random_assets
 from w2c_sim_robot.scenes.build import VISUAL_GROUP, colour_of, light_colour, paints_of
-from w2c_sim_robot.scenes.objects.catalogue import make_object, shape_of
+from w2c_sim_robot.scenes.held_out import is_judging
+from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object, shape_of
 from w2c_sim_robot.scenes.objects.shape import Shape
-from w2c_sim_robot.scenes.random_scene import Asset, random_assets
 from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
+from w2c_sim_robot.scenes.wording import parts_of
 
 HIDDEN_GROUP = 5
 SCENES_PER_POOL = 50
@@ -28,6 +30,8 @@ class Shot:
     image: Image
     identity: npt.NDArray[np.uint8]
     """(h, w): 0 nothing, n = the n-th object of the scene, 255 = the robot"""
+    parts: npt.NDArray[np.uint8]
+    """(h, w): 0 no named part, n = the n-th name of `wording.parts_of` of the object there"""
     world_from_camera: npt.NDArray[np.float64]
     """(4, 4) of the optical frame: x right, y down, z forward"""
     vertical_fov: float
@@ -37,10 +41,11 @@ class Shot:
 class Pool:
     """A model with a stock of things, of which each scene shows some."""
 
-    def __init__(self, seed: int, width: int, height: int) -> None:
-        """Compile the stock of a seed."""
-        rng = np.random.default_rng([seed, 5])
-        self.assets: tuple[Asset, ...] = random_assets(rng)
+    def __init__(self, block: int, width: int, height: int) -> None:
+        """Compile the stock of the `SCENES_PER_POOL` seeds of a block."""
+        rng = np.random.default_rng([block, 5])
+        judging = is_judging(block * SCENES_PER_POOL)
+        self.assets: tuple[Asset, ...] = random_assets(rng, judging=judging)
         stock = [_stored(asset) for asset in self.assets]
         self._shapes: dict[str, Shape] = {item.name: shape_of(item) for item in stock}
         floor = str(rng.choice(["tiles", "wood", "concrete", "carpet"]))
@@ -62,18 +67,20 @@ class Pool:
     def shoot(self, scene: Scene, rng: np.random.Generator, *, shadows: bool) -> Shot:
         """Return the picture of a scene of this pool's assets; `rng` draws the robot's posture."""
         self._arrange(scene)
-        self._pose_robot(rng, scene.objects[0].size[2])
+        self._pose_robot(rng, _surface_height(scene))
         fov = np.radians(rng.uniform(40.0, 44.0))
         self.model.cam_fovy[self.model.camera(HEAD_CAMERA).id] = np.degrees(fov)
         hidden = (HEAD_SHELL_GROUP, HIDDEN_GROUP)
         image = self._renderer.draw(self._data, HEAD_CAMERA, hidden_groups=hidden, shadows=shadows)
-        geoms = self._renderer.segment(self._data, HEAD_CAMERA, hidden_groups=hidden)
+        geoms, depth = self._renderer.survey(self._data, HEAD_CAMERA, hidden_groups=hidden)
+        image = Image(image.rgb, depth)
         camera = self._data.camera(HEAD_CAMERA)
         pose = np.eye(4)
         # MuJoCo's cameras look along -z with y up.
         pose[:3, :3] = camera.xmat.reshape(3, 3) @ np.diag([1.0, -1.0, -1.0])
         pose[:3, 3] = camera.xpos
-        return Shot(image, self._identity_of_geom(scene)[geoms], pose, float(fov))
+        identity = self._identity_of_geom(scene)[geoms]
+        return Shot(image, identity, self._part_of_geom(scene)[geoms], pose, float(fov))
 
     def close(self) -> None:
         """Free the graphics context."""
@@ -86,6 +93,17 @@ class Pool:
         for number, item in enumerate(scene.objects, start=1):
             identity[:-1][self.model.geom_bodyid == self.model.body(item.name).id] = number
         return identity
+
+    def _part_of_geom(self, scene: Scene) -> npt.NDArray[np.uint8]:
+        """Return (ngeom + 1,) so that index -1 is no part."""
+        part_of = np.zeros(self.model.ngeom + 1, dtype=np.uint8)
+        for item in scene.objects:
+            names = parts_of(item)
+            for number, part in enumerate(self._shapes[item.name].parts):
+                if part.name:
+                    geom = self.model.geom(f"{item.name}_visual_{number}").id
+                    part_of[geom] = names.index(part.name) + 1
+        return part_of
 
     def _arrange(self, scene: Scene) -> None:
         """Move, paint and hide the stock, and set light and room."""
@@ -157,10 +175,14 @@ class Pool:
         self._data.qpos[address] = np.clip(angle, *row.range)
 
 
+def _surface_height(scene: Scene) -> float:
+    """Return the height of the furniture, or of the floor [m]."""
+    first = scene.objects[0]
+    return first.size[2] if KINDS[first.kind].furniture else 0.0
+
+
 def _stored(asset: Asset) -> SceneObject:
     """Return the thing as it is compiled: out of sight, and fixed, to be posed in the model."""
-    from w2c_sim_robot.scenes.objects.catalogue import KINDS
-
     return make_object(
         asset.kind,
         KINDS[asset.kind].colours[0],
@@ -169,4 +191,5 @@ def _stored(asset: Asset) -> SceneObject:
         size=asset.size,
         variant=asset.variant,
         movable=False,
+        material=asset.material,
     )

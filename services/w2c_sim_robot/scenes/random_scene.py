@@ -1,26 +1,18 @@
-"""Scenes by chance: furniture, things on it, colours, light. Same seed, same scene."""
-
-import zlib
-from dataclasses import dataclass
+"""Scenes by chance: furniture or floor, things on it, colours, light. Same seed, same scene."""
 
 import numpy as np
 
-from w2c_sim_robot.scenes.objects.catalogue import (
-    KINDS,
-    MOVABLE_KINDS,
-    make_object,
-    random_size,
-)
+from w2c_sim_robot.scenes.assets import PAPER_KINDS, Asset, random_assets
+from w2c_sim_robot.scenes.held_out import held_out, is_judging
+from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object
 from w2c_sim_robot.scenes.objects.palette import COLOURS, shade
-from w2c_sim_robot.scenes.objects.shape import Size
+from w2c_sim_robot.scenes.objects.room import shelf_heights
+from w2c_sim_robot.scenes.placing import Arranger, Placed, Surface
 from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
+from w2c_sim_robot.scenes.wording import OTHER_SIZE_RATIO, length_of
 
-JUDGING_SEED = 900_000
-"""Scenes from this seed on are for judging: nothing is trained on them, and they alone show
-held-out pairs."""
-FLAT_KINDS = ("book", "box", "tray", "notebook", "cloth", "paper")
-"""What smaller things may stand on"""
-SMALL_KINDS = ("mug", "can", "ball", "apple", "sponge", "block", "bottle", "bowl")
+STAGES = {"table": 0.5, "counter": 0.16, "shelf": 0.15, "floor": 0.19}
+"""What things stand on, and how often"""
 Region = tuple[tuple[float, float], tuple[float, float]]
 PAPER_REGIONS: dict[str, Region] = {
     "book": ((0.42, 0.60), (-0.40, -0.12)),
@@ -29,37 +21,15 @@ PAPER_REGIONS: dict[str, Region] = {
 """Where the things of the paper's scene (a) stand: x and y [m]"""
 PAPER_SHARE = 0.2
 """Of scenes with a book and a mug where the paper's scene (a) has them"""
-PAPER_COLOURS = {"book": "red", "mug": "blue", "bottle": "green", "bowl": "yellow"}
+PAPER_COLOURS = dict(zip(PAPER_KINDS, ("red", "blue", "green", "yellow"), strict=True))
 """What is in scene (a), and its colours; half of such scenes hold exactly these"""
-GAP = 0.012
-"""Between things that stand beside each other [m]"""
-
-
-@dataclass(frozen=True)
-class Asset:
-    """A thing without its colour and place."""
-
-    name: str
-    kind: str
-    size: Size
-    variant: int
-
-
-def held_out(kind: str, colour: str) -> bool:
-    """Whether this pair is kept for judging: about one in seven, never all colours of a kind."""
-    if KINDS[kind].furniture or colour == KINDS[kind].colours[0]:
-        return False
-    return zlib.crc32(f"{kind}/{colour}".encode()) % 7 == 0
-
-
-def random_assets(rng: np.random.Generator, copies: int = 2) -> tuple[Asset, ...]:
-    """Return `copies` things of each kind, and one of each kind of furniture."""
-    assets = []
-    for kind, row in KINDS.items():
-        for number in range(1 if row.furniture else copies):
-            variant = int(rng.integers(1_000_000))
-            assets.append(Asset(f"{kind}_{number}", kind, random_size(kind, rng), variant))
-    return tuple(assets)
+CLUTTERED_SHARE = 0.25
+PAIR_SHARE = 0.45
+"""Of scenes with two of a kind on purpose"""
+OCCLUSION_SHARE = 0.35
+"""Of things that are placed behind another, as the camera sees it, after a tall one"""
+TALL = 0.15
+"""What hides things [m]"""
 
 
 def random_scene(
@@ -70,57 +40,89 @@ def random_scene(
     `paper_share` of the scenes have book and mug where the paper's scene (a) has them.
     """
     rng = np.random.default_rng([seed, 1])
-    stock = random_assets(np.random.default_rng([seed, 2])) if assets is None else assets
-    judging = seed >= JUDGING_SEED
-    furniture = _furniture(rng, stock)
+    judging = is_judging(seed)
+    if assets is None:
+        assets = random_assets(np.random.default_rng([seed, 2]), judging=judging)
     as_in_paper = rng.random() < paper_share
-    chosen = _choose(rng, stock, tuple(PAPER_COLOURS) if as_in_paper else ())
+    stages = list(STAGES)[:2] if as_in_paper else list(STAGES)
+    weights = np.array([STAGES[name] for name in stages])
+    stage = str(rng.choice(stages, p=weights / weights.sum()))
+    furniture, surfaces = _stage(rng, stage, assets)
+    chosen = _choose(rng, assets, stage, PAPER_KINDS if as_in_paper else ())
     if as_in_paper and rng.random() < 0.5:
-        chosen = [next(a for a in chosen if a.kind == kind) for kind in PAPER_COLOURS]
+        chosen = [next(a for a in chosen if a.kind == kind) for kind in PAPER_KINDS]
         colours = [PAPER_COLOURS[asset.kind] for asset in chosen]
     else:
         colours = _colours(rng, chosen, judging)
-    placed: list[SceneObject] = []
+    arranger = Arranger(rng, surfaces)
+    tall: Placed | None = None
     for asset, colour in zip(chosen, colours, strict=True):
         region = PAPER_REGIONS.get(asset.kind) if as_in_paper else None
-        item = _place(rng, asset, colour, furniture, placed, region=region)
-        if item is not None:
-            placed.append(item)
+        hidden = tall if region is None and rng.random() < OCCLUSION_SHARE else None
+        placed = arranger.put(asset, colour, region=region, behind=hidden)
+        if placed is not None and placed.top - placed.foot > TALL:
+            tall = placed
+        elif hidden is not None:
+            tall = None
     return Scene(
         name=f"random_{seed}",
         seed=seed,
-        objects=(furniture, *placed),
+        objects=(*furniture, *(placed.item for placed in arranger.placed)),
         lights=_lights(rng),
         surroundings=_surroundings(rng),
     )
 
 
-def _furniture(rng: np.random.Generator, stock: tuple[Asset, ...]) -> SceneObject:
-    """Place a table or a counter before the robot."""
-    kind = "table" if rng.random() < 0.7 else "counter"
-    candidates = [asset for asset in stock if asset.kind == kind]
-    asset = candidates[int(rng.integers(len(candidates)))]
-    weights = np.array(
-        [0.6, *[0.4 / (len(KINDS[kind].colours) - 1)] * (len(KINDS[kind].colours) - 1)]
+def _stage(
+    rng: np.random.Generator, stage: str, assets: tuple[Asset, ...]
+) -> tuple[tuple[SceneObject, ...], tuple[Surface, ...]]:
+    """Return a piece of furniture before the robot, and the surfaces that it offers."""
+    if stage == "floor":
+        return (), (Surface((0.62, -1.1), (1.9, 1.1), 0.0),)
+    asset = next(asset for asset in assets if asset.kind == stage)
+    deep, wide, tall = asset.size
+    row = KINDS[stage]
+    others = len(row.colours) - 1
+    colour = str(rng.choice(row.colours, p=[0.6, *[0.4 / others] * others]))
+    front = float(rng.uniform(0.5, 0.75) if stage == "shelf" else rng.uniform(0.22, 0.42))
+    middle = front + deep / 2, float(rng.uniform(-0.25, 0.25))
+    item = make_object(
+        stage,
+        colour,
+        (*middle, 0.0),
+        name=asset.name,
+        size=asset.size,
+        variant=asset.variant,
+        material=asset.material,
     )
-    colour = str(rng.choice(KINDS[kind].colours, p=weights))
-    front = rng.uniform(0.22, 0.42)
-    position = (front + asset.size[0] / 2, float(rng.uniform(-0.25, 0.25)), 0.0)
-    return make_object(
-        kind, colour, position, name=asset.name, size=asset.size, variant=asset.variant
-    )
+    if stage == "shelf":
+        low = (front + 0.005, middle[1] - wide / 2 + 0.03)
+        high = (front + deep - 0.005, middle[1] + wide / 2 - 0.03)
+        lower, upper, top = shelf_heights(asset.size)
+        return (item,), (
+            Surface(low, high, float(top)),
+            Surface(low, high, float(upper), float(top - upper) - 0.04),
+            Surface(low, high, float(lower), float(upper - lower) - 0.04),
+        )
+    low = (max(0.40, front), max(-0.78, middle[1] - wide / 2))
+    high = (min(1.45, front + deep), min(0.78, middle[1] + wide / 2))
+    return (item,), (Surface(low, high, tall),)
 
 
 def _choose(
-    rng: np.random.Generator, stock: tuple[Asset, ...], wanted: tuple[str, ...]
+    rng: np.random.Generator, stock: tuple[Asset, ...], stage: str, wanted: tuple[str, ...]
 ) -> list[Asset]:
-    """Return four to ten things, the wanted kinds among them; often two of a kind."""
-    movable = [asset for asset in stock if asset.kind in MOVABLE_KINDS]
+    """Return four to ten things, more in clutter, the wanted kinds first; often two of a kind."""
+    movable = [asset for asset in stock if not KINDS[asset.kind].furniture]
     order = [movable[i] for i in rng.permutation(len(movable))]
-    count = int(rng.integers(4, 11))
+    cluttered = rng.random() < CLUTTERED_SHARE
+    count = int(rng.integers(11, 19) if cluttered else rng.integers(4, 11))
+    if stage == "floor":
+        # Things for the floor first, a few others between them.
+        order.sort(key=lambda asset: not KINDS[asset.kind].floor and rng.random() < 0.75)
     first = list(wanted)
-    if rng.random() < 0.45:
-        first += [str(rng.choice(MOVABLE_KINDS))] * 2
+    if rng.random() < PAIR_SHARE:
+        first += [str(rng.choice([asset.kind for asset in order[: 2 * count]]))] * 2
     chosen: list[Asset] = []
     for kind in first:
         same = [asset for asset in order if asset.kind == kind and asset not in chosen]
@@ -129,87 +131,29 @@ def _choose(
 
 
 def _colours(rng: np.random.Generator, chosen: list[Asset], judging: bool) -> list[str]:
-    """Return a colour for each thing; two of a kind never have the same."""
-    taken: set[tuple[str, str]] = set()
-    result = []
+    """Return a colour for each thing.
+
+    Two of a kind never have the same, unless their size or material tells them apart.
+    """
+    taken: list[tuple[Asset, str]] = []
     for asset in chosen:
-        allowed = [c for c in KINDS[asset.kind].colours if (asset.kind, c) not in taken]
+        alike = [(other, c) for other, c in taken if other.kind == asset.kind]
+        if alike and all(_differ(asset, other) for other, _ in alike) and rng.random() < 0.6:
+            taken.append((asset, alike[0][1]))
+            continue
+        used = {c for _, c in alike}
+        allowed = [c for c in KINDS[asset.kind].colours if c not in used]
         reserved = [c for c in allowed if held_out(asset.kind, c)]
-        known = [c for c in allowed if c not in reserved] or allowed
-        colour = str(rng.choice(reserved if judging and reserved and rng.random() < 0.5 else known))
-        taken.add((asset.kind, colour))
-        result.append(colour)
-    return result
+        known = [c for c in allowed if c not in reserved]
+        special = judging and reserved and (not known or rng.random() < 0.5)
+        taken.append((asset, str(rng.choice(reserved if special else known))))
+    return [colour for _, colour in taken]
 
 
-def _place(
-    rng: np.random.Generator,
-    asset: Asset,
-    colour: str,
-    furniture: SceneObject,
-    placed: list[SceneObject],
-    *,
-    region: Region | None,
-) -> SceneObject | None:
-    """Return the thing where there is room, sometimes on top of another; None without room."""
-    yaw = float(rng.uniform(-np.pi, np.pi) if rng.random() < 0.5 else rng.normal(0.0, 0.35))
-    if region is None and asset.kind in SMALL_KINDS and rng.random() < 0.25:
-        for below in placed:
-            fits = _radius(asset.size) < 0.55 * min(below.size[:2]) and below.kind in FLAT_KINDS
-            occupied = any(
-                other.position[2] > below.position[2] + 1e-6 and _near(other, below)
-                for other in placed
-            )
-            if fits and not occupied:
-                return _made(asset, colour, (*below.position[:2], _rest_height(below)), yaw)
-    surface_x, surface_y, height = furniture.position[0], furniture.position[1], furniture.size[2]
-    radius = _radius(asset.size)
-    front, back = surface_x - furniture.size[0] / 2, surface_x + furniture.size[0] / 2
-    low_x, high_x = max(0.46, front + radius), min(1.35, back - radius)
-    half_y = min(0.75, furniture.size[1] / 2 - radius)
-    for _ in range(40):
-        if high_x <= low_x:
-            return None
-        x = float(rng.uniform(low_x, high_x))
-        # The picture is wider far away.
-        reach = 0.12 + 0.5 * x
-        y = float(np.clip(rng.uniform(-reach, reach), surface_y - half_y, surface_y + half_y))
-        if region is not None:
-            x = min(float(rng.uniform(*region[0])), back - radius)
-            y = float(np.clip(rng.uniform(*region[1]), surface_y - half_y, surface_y + half_y))
-        item = _made(asset, colour, (x, y, height), yaw)
-        if not any(_near(item, other) for other in placed):
-            return item
-    return None
-
-
-def _made(
-    asset: Asset, colour: str, position: tuple[float, float, float], yaw: float
-) -> SceneObject:
-    return make_object(
-        asset.kind,
-        colour,
-        position,
-        name=asset.name,
-        size=asset.size,
-        yaw=yaw,
-        variant=asset.variant,
-    )
-
-
-def _rest_height(below: SceneObject) -> float:
-    """Return the height [m] of what carries things: the floor of a tray, else the top."""
-    share = {"tray": 0.15, "cloth": 0.6}.get(below.kind, 1.0)
-    return below.position[2] + share * below.size[2]
-
-
-def _radius(size: Size) -> float:
-    return 0.5 * float(np.hypot(size[0], size[1]))
-
-
-def _near(a: SceneObject, b: SceneObject) -> bool:
-    distance = float(np.hypot(a.position[0] - b.position[0], a.position[1] - b.position[1]))
-    return distance < _radius(a.size) + _radius(b.size) + GAP
+def _differ(a: Asset, b: Asset) -> bool:
+    """Whether size or material tells two of a kind apart."""
+    ratio = length_of(a.size) / length_of(b.size)
+    return a.material != b.material or max(ratio, 1 / ratio) >= OTHER_SIZE_RATIO
 
 
 def _lights(rng: np.random.Generator) -> tuple[Light, ...]:

@@ -1,6 +1,5 @@
 """Pictures of random scenes with the truth about them, for training and for judging."""
 
-import logging
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,13 +7,16 @@ from typing import Any
 import cv2
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from w2c.geometry import intrinsics_from_fov
+from w2c_sim_robot.scenes.held_out import HELD_OUT_KINDS, held_out, held_out_material
+from w2c_sim_robot.scenes.objects.catalogue import KINDS
+from w2c_sim_robot.scenes.picture_set import PictureSet, SetDescription
 from w2c_sim_robot.scenes.pool import SCENES_PER_POOL, Pool, Shot
-from w2c_sim_robot.scenes.random_scene import PAPER_SHARE, held_out, random_scene
+from w2c_sim_robot.scenes.random_scene import random_scene
 from w2c_sim_robot.scenes.scene import Scene, SceneObject
-
-log = logging.getLogger("w2c.scenes")
+from w2c_sim_robot.scenes.wording import parts_of, phrases_in
 
 JPEG_QUALITY = 95
 DEPTH_UNIT = 0.00025
@@ -26,58 +28,75 @@ def render(
     directory: Path,
     seed: int,
     count: int,
-    size: tuple[int, int],
+    description: SetDescription,
     *,
-    depth: bool = False,
     resume: bool = False,
-    paper_share: float = PAPER_SHARE,
 ) -> Iterator[Path]:
     """Write the pictures of seeds `seed` to `seed + count - 1`; yields the truth file of each.
 
-    A picture depends on nothing but its seed, size and share, so that a set can be continued.
+    A picture depends on nothing but its seed and the description, so that a set can be continued.
+
+    Raises:
+        ConfigError: the directory holds something else.
+        W2CError: a file cannot be written, the disk is full.
     """
-    directory.mkdir(parents=True, exist_ok=True)
+    files = PictureSet(directory, description)
+    files.open(seed, count, resume=resume)
     pool: Pool | None = None
     block = -1
     try:
         for number in range(seed, seed + count):
-            truth_path = directory / f"{number:07d}.json"
-            if resume and truth_path.exists():
-                yield truth_path
+            name = f"{number:07d}"
+            if resume and files.has(name):
+                yield files.truth_file(name)
                 continue
             if pool is None or number // SCENES_PER_POOL != block:
                 if pool is not None:
                     pool.close()
                 block = number // SCENES_PER_POOL
-                pool = Pool(block, *size)
-            scene = random_scene(number, pool.assets, paper_share)
+                pool = Pool(block, description.width, description.height)
+            scene = random_scene(number, pool.assets, description.paper_share)
             rng = np.random.default_rng([number, 9])
             shot = pool.shoot(scene, rng, shadows=bool(rng.random() < SHADOW_SHARE))
-            write(directory, f"{number:07d}", scene, shot, depth=depth)
-            yield truth_path
+            write(files, name, scene, shot)
+            yield files.truth_file(name)
     finally:
         if pool is not None:
             pool.close()
 
 
-def write(directory: Path, name: str, scene: Scene, shot: Shot, *, depth: bool = False) -> None:
-    """Write `<name>.jpg`, `_identity.png`, `_depth.png` if asked, and last `<name>.json`."""
+def write(files: PictureSet, name: str, scene: Scene, shot: Shot) -> None:
+    """Write a picture, `_identity.png`, `_depth.png` if asked, and last the truth file.
+
+    Raises:
+        W2CError: a file cannot be written.
+    """
+    suffix = files.description.picture
     picture = cv2.cvtColor(shot.image.rgb, cv2.COLOR_RGB2BGR)
-    cv2.imwrite(str(directory / f"{name}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    cv2.imwrite(str(directory / f"{name}_identity.png"), shot.identity)
-    if depth:
+    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY] if suffix == "jpg" else []
+    files.write(f"{name}.{suffix}", _encoded(f".{suffix}", picture, quality))
+    files.write(f"{name}_identity.png", _encoded(".png", shot.identity))
+    if files.description.depth:
         units = np.clip(shot.image.depth / DEPTH_UNIT + 0.5, 0, 65535).astype(np.uint16)
-        cv2.imwrite(str(directory / f"{name}_depth.png"), units)
-    encoded = msgspec.json.format(msgspec.json.encode(truth(name, scene, shot)), indent=1)
-    (directory / f"{name}.json").write_bytes(encoded + b"\n")
+        files.write(f"{name}_depth.png", _encoded(".png", units))
+    text = msgspec.json.format(msgspec.json.encode(truth(name, scene, shot, suffix)), indent=1)
+    files.write(f"{name}.json", text + b"\n")
 
 
-def truth(name: str, scene: Scene, shot: Shot) -> dict[str, Any]:
-    """Return what the truth file holds; its fields are described in `w2c scenes render --help`."""
+def _encoded(suffix: str, image: npt.NDArray[Any], options: list[int] | None = None) -> bytes:
+    done, data = cv2.imencode(suffix, image, options or [])
+    if not done:
+        raise ValueError(f"no {suffix} of a picture of shape {image.shape}")
+    return data.tobytes()
+
+
+def truth(name: str, scene: Scene, shot: Shot, suffix: str = "png") -> dict[str, Any]:
+    """Return what the truth file holds; docs/reference/scenes.md describes its fields."""
     height, width = shot.identity.shape
     intrinsics = intrinsics_from_fov(width, height, shot.vertical_fov)
+    fitting = {item.name: phrases_in(item, scene.objects) for item in scene.objects}
     return {
-        "image": f"{name}.jpg",
+        "image": f"{name}.{suffix}",
         "identity": f"{name}_identity.png",
         "width": width,
         "height": height,
@@ -85,18 +104,18 @@ def truth(name: str, scene: Scene, shot: Shot) -> dict[str, Any]:
         "intrinsics": list(intrinsics),
         "world_from_camera": shot.world_from_camera.tolist(),
         "objects": [
-            _object_truth(number, item, shot) for number, item in enumerate(scene.objects, start=1)
+            _object_truth(number, item, shot, fitting)
+            for number, item in enumerate(scene.objects, start=1)
         ],
     }
 
 
-def _object_truth(number: int, item: SceneObject, shot: Shot) -> dict[str, Any]:
-    rows, columns = np.nonzero(shot.identity == number)
-    box = (
-        [int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1]
-        if len(rows)
-        else None
-    )
+def _object_truth(
+    number: int, item: SceneObject, shot: Shot, fitting: dict[str, tuple[str, ...]]
+) -> dict[str, Any]:
+    mask = shot.identity == number
+    phrases = fitting[item.name]
+    elsewhere = {text for name, texts in fitting.items() if name != item.name for text in texts}
     return {
         "id": number,
         "name": item.name,
@@ -104,12 +123,32 @@ def _object_truth(number: int, item: SceneObject, shot: Shot) -> dict[str, Any]:
         "colour": item.colour,
         "material": item.material,
         "names": list(item.names),
-        "phrases": list(item.phrases()),
+        "phrases": list(phrases),
+        "own_phrases": [phrase for phrase in phrases if phrase not in elsewhere],
         "held_out": held_out(item.kind, item.colour),
-        "box": box,
-        "visible_pixels": len(rows),
+        "held_out_kind": item.kind in HELD_OUT_KINDS,
+        "held_out_material": held_out_material(item.kind, item.material),
+        "box": _box(mask),
+        "visible_pixels": int(np.count_nonzero(mask)),
+        "parts": [
+            {"name": part, "box": _box(seen), "visible_pixels": int(np.count_nonzero(seen))}
+            for part, seen in (
+                (part, mask & (shot.parts == index))
+                for index, part in enumerate(parts_of(item), start=1)
+            )
+        ],
         "position": list(item.position),
         "orientation": list(item.orientation),
         "size": list(item.size),
+        "mass": item.mass,
+        "movable": not KINDS[item.kind].furniture,
         "support": item.support,
     }
+
+
+def _box(mask: npt.NDArray[np.bool_]) -> list[int] | None:
+    """Return left, top, right, bottom of what a mask holds [px]; None where it is empty."""
+    rows, columns = np.nonzero(mask)
+    if not len(rows):
+        return None
+    return [int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1]

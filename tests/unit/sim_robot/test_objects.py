@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from w2c.errors import ConfigError
 from w2c_sim_robot.scenes.build import add_object, add_scene
 from w2c_sim_robot.scenes.objects import meshes
 from w2c_sim_robot.scenes.objects.catalogue import (
@@ -13,22 +14,44 @@ from w2c_sim_robot.scenes.objects.catalogue import (
     random_size,
     shape_of,
 )
+from w2c_sim_robot.scenes.objects.materials import FINISHES, PRINTED
 from w2c_sim_robot.scenes.objects.palette import COLOURS, contrasting, shade
-from w2c_sim_robot.scenes.objects.shape import Mesh, bounds
+from w2c_sim_robot.scenes.objects.shape import Mesh, Shape, Size, Surface, bounds
 from w2c_sim_robot.scenes.scene import Light, Scene
+from w2c_sim_robot.scenes.wording import parts_of
 
 LAMP = Light(position=(0.0, 0.0, 3.0), direction=(0.0, 0.0, -1.0))
 
 
+@pytest.fixture(scope="module")
+def shapes() -> dict[str, tuple[Size, Shape]]:
+    """Return one of each kind, of a size by chance."""
+    rng = np.random.default_rng(1)
+    sizes = {kind: random_size(kind, rng) for kind in KINDS}
+    return {
+        kind: (size, shape_of(make_object(kind, row.colours[0], (0, 0, 0), size=size, variant=4)))
+        for (kind, row), size in zip(KINDS.items(), sizes.values(), strict=True)
+    }
+
+
 def test_there_are_enough_kinds_each_in_several_colours() -> None:
-    assert len(MOVABLE_KINDS) >= 14
+    assert len(KINDS) >= 50
+    assert len({row.group for row in KINDS.values()}) >= 9
+    assert {row.support for row in KINDS.values()} == {"carries", "slides", "fragile", "forbidden"}
     assert all(len(row.colours) >= 3 and set(row.colours) <= set(COLOURS) for row in KINDS.values())
 
 
+def test_materials_are_known_and_none_is_named_twice() -> None:
+    for kind, row in KINDS.items():
+        assert len(set(row.materials)) == len(row.materials), kind
+        assert set(row.materials) - {""} <= set(FINISHES), kind
+
+
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_shape_fills_the_size_it_was_asked_for(kind: str) -> None:
-    size = random_size(kind, np.random.default_rng(1))
-    shape = shape_of(make_object(kind, KINDS[kind].colours[0], (0, 0, 0), size=size, variant=4))
+def test_a_shape_fills_the_size_it_was_asked_for(
+    kind: str, shapes: dict[str, tuple[Size, Shape]]
+) -> None:
+    size, shape = shapes[kind]
 
     low, high = bounds(shape)
 
@@ -39,27 +62,89 @@ def test_a_shape_fills_the_size_it_was_asked_for(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_normals_have_length_one_and_look_outwards(kind: str) -> None:
-    for part in shape_of(make_object(kind, KINDS[kind].colours[0], (0, 0, 0))).parts:
+def test_colliders_stay_within_what_is_seen(
+    kind: str, shapes: dict[str, tuple[Size, Shape]]
+) -> None:
+    _, shape = shapes[kind]
+    low, high = bounds(shape)
+    for collider in shape.colliders:
+        half = np.array(
+            collider.size
+            if collider.shape == "box"
+            else (collider.size[0], collider.size[0], collider.size[-1])
+        )
+        assert (collider.position - half >= low - 0.012).all()
+        assert (collider.position + half <= high + 0.012).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_normals_have_length_one_and_look_outwards(
+    kind: str, shapes: dict[str, tuple[Size, Shape]]
+) -> None:
+    for part in shapes[kind][1].parts:
         mesh = part.mesh
         assert np.linalg.norm(mesh.normals, axis=1) == pytest.approx(1.0, abs=1e-6)
         assert _agreement(mesh) > 0.98
 
 
-@pytest.mark.parametrize("kind", MOVABLE_KINDS)
-def test_a_thing_stays_where_it_was_put(kind: str) -> None:
+def test_things_stay_where_they_were_put(shapes: dict[str, tuple[Size, Shape]]) -> None:
+    """All of them on one floor, an arm's length apart."""
     spec = mujoco.MjSpec()
-    table = make_object("table", "brown", (0.0, 0.0, 0.0))
-    item = make_object(kind, KINDS[kind].colours[0], (0.1, 0.2, table.size[2]), yaw=0.4)
-    add_scene(spec, Scene(name="one", objects=(table, item), lights=(LAMP,)))
+    side = int(np.ceil(np.sqrt(len(MOVABLE_KINDS))))
+    items = [
+        make_object(
+            kind,
+            KINDS[kind].colours[0],
+            (float(number % side), float(number // side), 0.0),
+            size=shapes[kind][0],
+            yaw=0.4,
+            variant=4,
+        )
+        for number, kind in enumerate(MOVABLE_KINDS)
+    ]
+    add_scene(spec, Scene(name="all", objects=tuple(items), lights=(LAMP,)))
     model = spec.compile()
     data = mujoco.MjData(model)
 
     mujoco.mj_step(model, data, 250)
 
-    assert model.body(kind).mass[0] == pytest.approx(item.mass, rel=1e-6)
-    assert data.body(kind).xpos == pytest.approx(item.position, abs=4e-3)
-    assert data.body(kind).xmat.reshape(3, 3)[2, 2] > np.cos(np.radians(3))
+    for item in items:
+        assert model.body(item.name).mass[0] == pytest.approx(item.mass, rel=1e-6)
+        moved = np.abs(data.body(item.name).xpos - item.position).max()
+        upright = data.body(item.name).xmat.reshape(3, 3)[2, 2]
+        assert moved < 5e-3 and upright > np.cos(np.radians(3)), (item.name, moved, upright)
+
+
+@pytest.mark.parametrize(
+    ("kind", "part"),
+    [
+        ("mug", "handle"),
+        ("mallet", "handle"),
+        ("pot", "lid"),
+        ("toolbox", "lid"),
+        ("teapot", "spout"),
+        ("dishwasher", "door"),
+    ],
+)
+def test_parts_that_people_speak_of_have_names(kind: str, part: str) -> None:
+    assert part in parts_of(make_object(kind, KINDS[kind].colours[0], (0, 0, 0)))
+
+
+def look_of(surface: Surface) -> tuple[object, ...]:
+    texture = b"" if surface.texture is None else surface.texture.tobytes()
+    return surface.paint, surface.gloss, surface.opacity, texture
+
+
+def test_another_material_changes_the_look_but_not_the_shape_or_the_print() -> None:
+    usual = shape_of(make_object("nail_box", "brown", (0, 0, 0)))
+    wooden = shape_of(make_object("nail_box", "brown", (0, 0, 0), material="wood"))
+
+    for a, b in zip(usual.parts, wooden.parts, strict=True):
+        assert np.array_equal(a.mesh.vertices, b.mesh.vertices)
+        kept = a.surface.paint != "main" or a.name in PRINTED
+        assert (look_of(a.surface) == look_of(b.surface)) == kept
+    with pytest.raises(ConfigError, match="nail box of leather; it may be of: cardboard, wood"):
+        make_object("nail_box", "brown", (0, 0, 0), material="leather")
 
 
 def test_a_fixed_thing_has_no_joint() -> None:

@@ -9,7 +9,7 @@ from w2c.errors import ConfigError
 from w2c_sim_robot.scenes import scene as scenes
 from w2c_sim_robot.scenes.objects.catalogue import make_object
 from w2c_sim_robot.scenes.scenario_a import BOOK_SIZE, random_layout, scenario_a
-from w2c_sim_robot.scenes.scene import Light, Scene
+from w2c_sim_robot.scenes.scene import Instruction, Light, Scene
 
 LAMP = Light(position=(0.0, 0.0, 3.0), direction=(0.0, 0.0, -1.0))
 
@@ -104,6 +104,47 @@ def test_random_layouts_keep_the_cup_in_the_band_and_differ() -> None:
     assert all(1.0 <= layout.object("cup").position[0] <= 1.1 for layout in layouts)
     assert len({layout.object("book").position for layout in layouts}) == 20
     assert all(layout.object("book").colour != layout.object("cup").colour for layout in layouts)
+
+
+def test_overlapping_bodies_are_refused_with_their_names_and_depth() -> None:
+    table = make_object("table", "brown", (0.8, 0.0, 0.0))
+    mug = make_object("mug", "red", (0.8, 0.0, table.size[2] - 0.03))
+    sunk = make_object("ball", "blue", (0.0, 1.0, -0.02))
+    cases = {
+        "'table' and 'mug' overlap by 30 mm; at most 2 mm may": (table, mug),
+        "'ball' and 'floor' overlap by 20 mm": (sunk,),
+    }
+    for complaint, objects in cases.items():
+        with pytest.raises(ConfigError, match=complaint):
+            scenes.check(Scene(name="bad", objects=objects, lights=(LAMP,)))
+    # One that rests on the other is fine, and so is one that hangs beside it.
+    resting = _changed(mug, position=(0.8, 0.0, table.size[2]))
+    scenes.check(Scene(name="good", objects=(table, resting), lights=(LAMP,)))
+
+
+def test_a_negative_size_in_a_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "scene.json"
+    scenes.save(scenario_a(), path)
+    path.write_text(path.read_text().replace("0.27,", "-0.27,"))
+
+    with pytest.raises(ConfigError, match=r"object 'book': size \(-0\.27, .* expected 0\.0005"):
+        scenes.load(path)
+
+
+def test_an_instruction_names_objects_that_are_there() -> None:
+    instruction = Instruction(
+        prompt="take it", end_effector="left_hand", task="reach", thing="spoon"
+    )
+
+    with pytest.raises(ConfigError, match="instruction 'take it': no object 'spoon'; it has: mug"):
+        scenes.check(
+            Scene(
+                name="bad",
+                objects=(make_object("mug", "red", (0.0, 0.0, 0.0)),),
+                lights=(LAMP,),
+                instructions=(instruction,),
+            )
+        )
 
 
 def _changed(item: scenes.SceneObject, **fields: object) -> scenes.SceneObject:

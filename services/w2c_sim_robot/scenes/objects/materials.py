@@ -44,6 +44,10 @@ def adjective(material: str) -> str:
     return FINISHES[material].adjective
 
 
+PRINTED = frozenset({"cover", "front", "label", "print"})
+"""Parts whose print says what the thing is: it stays, whatever the thing is made of"""
+
+
 def finished(shape: Shape, material: str, rng: np.random.Generator) -> Shape:
     """Return the shape with what is painted in the object's own colour made of `material`."""
     finish = FINISHES[material]
@@ -55,7 +59,7 @@ def finished(shape: Shape, material: str, rng: np.random.Generator) -> Shape:
                 part.surface, texture=texture, gloss=finish.gloss, opacity=finish.opacity
             ),
         )
-        if part.surface.paint == "main"
+        if part.surface.paint == "main" and part.name not in PRINTED
         else part
         for part in shape.parts
     )

@@ -34,8 +34,10 @@ def book(size: Size, rng: np.random.Generator) -> Shape:
             Part(
                 block.moved((0, (edge - 0.006) / 2, board)),
                 Surface(PAGES, textures.pages(rng), 0.05),
+                "pages",
+                "paper",
             ),
-            Part(_inset(cover, 0.985), Surface("main", textures.cover(rng), 0.45)),
+            Part(_inset(cover, 0.985), Surface("main", textures.cover(rng), 0.45), "cover"),
         ),
         (box_collider(size),),
     )
@@ -57,7 +59,7 @@ def notebook(size: Size, rng: np.random.Generator) -> Shape:
                 prism(outline, z * 0.14, 0.0002).moved((0, 0, z * 0.86)),
                 Surface("main", textures.weave(rng), 0.2),
             ),
-            Part(merged(*rings), Surface((0.16, 0.16, 0.18), None, 0.8)),
+            Part(merged(*rings), Surface((0.16, 0.16, 0.18), None, 0.8), "rings", "metal"),
             Part(label, Surface((0.97, 0.96, 0.92), textures.lines(rng, 96, 160, 24), 0.05)),
         ),
         (box_collider(size),),
@@ -83,7 +85,7 @@ def cereal_box(size: Size, rng: np.random.Generator) -> Shape:
     front = textures.label(rng, 384, 512, stripe=None)[:, :256]
     return Shape(
         (
-            Part(faces, Surface("main", front, 0.3)),
+            Part(faces, Surface("main", front, 0.3), "front"),
             Part(sides, Surface("main", textures.speckle(rng), 0.3)),
         ),
         (box_collider(size),),

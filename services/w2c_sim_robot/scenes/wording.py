@@ -1,0 +1,64 @@
+"""Phrases that fit a thing in its scene, and those that fit no other thing there."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from w2c_sim_robot.scenes.objects.catalogue import shape_of
+from w2c_sim_robot.scenes.objects.materials import FINISHES, adjective
+from w2c_sim_robot.scenes.objects.shape import Size
+from w2c_sim_robot.scenes.scene import SceneObject
+
+OTHER_SIZE_RATIO = 1.25
+"""From here on people see that two of a kind differ in size"""
+
+
+def length_of(size: Size) -> float:
+    """Return the edge of a cube of the same volume [m]."""
+    return float(np.cbrt(size[0] * size[1] * size[2]))
+
+
+def parts_of(item: SceneObject) -> tuple[str, ...]:
+    """Return the names of its parts, each once."""
+    return tuple(dict.fromkeys(part.name for part in shape_of(item).parts if part.name))
+
+
+def phrases_in(item: SceneObject, scene: Sequence[SceneObject]) -> tuple[str, ...]:
+    """Return every phrase that fits a thing among those of its scene.
+
+    Names; with colour, material, or both; `large` and `small` among others of its kind; and a part
+    of another material, as in `the thing with the wooden handle`.
+    """
+    phrases = list(item.phrases())
+    usual = item.names[0]
+    if item.material in FINISHES:
+        word = adjective(item.material)
+        phrases += [f"{word} {usual}", f"{item.colour} {word} {usual}"]
+    size = size_word(item, scene)
+    if size:
+        phrases += [f"{size} {usual}", f"{size} {item.colour} {usual}"]
+    for part in shape_of(item).parts:
+        if part.name and part.material in FINISHES:
+            phrases.append(f"thing with the {adjective(part.material)} {part.name}")
+    return tuple(dict.fromkeys(phrases))
+
+
+def size_word(item: SceneObject, scene: Sequence[SceneObject]) -> str:
+    """Return `large` or `small` where others of its kind are clearly smaller or larger."""
+    others = [length_of(o.size) for o in scene if o.kind == item.kind and o.name != item.name]
+    if not others:
+        return ""
+    own = length_of(item.size)
+    if own > OTHER_SIZE_RATIO * max(others):
+        return "large"
+    return "small" if own * OTHER_SIZE_RATIO < min(others) else ""
+
+
+def told_apart_by(a: SceneObject, b: SceneObject) -> str:
+    """Return the attribute that tells two of a kind apart: colour, size, material, or nothing."""
+    if a.colour != b.colour:
+        return "colour"
+    ratio = length_of(a.size) / length_of(b.size)
+    if max(ratio, 1.0 / ratio) >= OTHER_SIZE_RATIO:
+        return "size"
+    return "material" if a.material != b.material else ""
