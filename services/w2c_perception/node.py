@@ -24,6 +24,7 @@ from w2c.messages import (
 from w2c.messages.cloud import MAX_POINTS
 from w2c_perception.allowed import REASONS, allowed_cells
 from w2c_perception.buffer import View, ViewBuffer
+from w2c_perception.carrying import verdicts
 from w2c_perception.cloud import Box, decode_colours, point_cloud
 from w2c_perception.config import PerceptionConfig
 from w2c_perception.heights import Area, height_field
@@ -190,16 +191,18 @@ class PerceptionNode:
             blur=view.blur(depth, request.u, request.v, self._config.depth_lag),
         )
         pose_error = view.pose_error(surface.point, self._config.joint_error)
+        error_bound = surface.error_bound + pose_error
         return LiftReply(
             point=surface.point,
             normal=surface.normal,
-            error_bound=surface.error_bound + pose_error,
+            error_bound=error_bound,
             flatness=surface.flatness,
             slope=surface.slope,
             extent=surface.extent,
             edge_distance=surface.edge_distance,
             frame_stamp_ns=view.stamp_ns,
             warning=surface.warning,
+            verdicts=verdicts(surface, error_bound, request.footprint),
         )
 
     def _heights(self, request: HeightFieldRequest, _context: CallContext) -> HeightField:

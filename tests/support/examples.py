@@ -37,6 +37,7 @@ def all_examples() -> dict[str, m.Message]:
         limit=0.2,
         unit="",
     )
+    fitness = m.FitnessVerdict(check="slope", fit=False, reason="too steep", value=0.7, limit=0.54)
     unchecked = m.Unchecked(check="veto", reason="grounding does not answer")
     joints = [
         m.JointInfo(name=f"joint_{i}", stiffness=5000.0, effort_limit=100.0) for i in range(JOINTS)
@@ -308,6 +309,7 @@ def all_examples() -> dict[str, m.Message]:
             points=np.zeros((1, 3), np.float32),
             colours=np.zeros((1, 3), np.uint8),
         ),
+        fitness,
         m.LiftReply(
             point=vector,
             normal=vector,
@@ -318,6 +320,7 @@ def all_examples() -> dict[str, m.Message]:
             edge_distance=0.07,
             frame_stamp_ns=1,
             warning="",
+            verdicts=[fitness],
         ),
         target,
         remark,

@@ -76,6 +76,7 @@ from w2c.messages.robot import (
 from w2c.messages.terrain import HeightField, HeightFieldRequest
 from w2c.messages.view import (
     CameraView,
+    FitnessVerdict,
     LiftReply,
     LiftRequest,
 )
@@ -103,6 +104,7 @@ __all__ = [
     "Empty",
     "EndEffector",
     "ErrorReply",
+    "FitnessVerdict",
     "GoalEvent",
     "GoalReply",
     "GroundingReply",

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import msgspec
 
-from w2c.messages.base import Array, Message, Stamp, Text, check_array
+from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
 
 RobotBoot = Annotated[str, msgspec.Meta(max_length=64)]
 
@@ -42,6 +42,19 @@ class LiftRequest(Message, frozen=True, kw_only=True):
     stamp may be that of another frame. "" = not checked"""
 
 
+class FitnessVerdict(Message, frozen=True, kw_only=True):
+    """One check of whether a surface is fit to carry a hand, by its shape alone."""
+
+    check: Name
+    """known, flat, large, edge or slope"""
+    fit: bool
+    reason: Text
+    """For the operator, with value and limit"""
+    value: float
+    limit: float
+    """What was measured, and what it is held against [m], or [rad] for the slope"""
+
+
 class LiftReply(Message, frozen=True, kw_only=True):
     """A point on a surface, with what is known of the surface around it."""
 
@@ -64,6 +77,8 @@ class LiftReply(Message, frozen=True, kw_only=True):
     frame_stamp_ns: Stamp
     warning: Text = ""
     """What an operator should know: near an edge, rough, steep"""
+    verdicts: Annotated[list[FitnessVerdict], msgspec.Meta(max_length=20)] = []
+    """On its fitness to carry a hand of the footprint, each with its reason; [] = not judged"""
 
     def __post_init__(self) -> None:
         """Refuse arrays of the wrong shape."""
