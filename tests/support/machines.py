@@ -1,12 +1,13 @@
 """A small robot behind a driver, for tests."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from support.recordings import raw_message
 from w2c import topics
-from w2c.bus import Bus
-from w2c.messages import Array, JointInfo, LogRecord, RobotDescription, RobotState
+from w2c.bus import Bus, RawReceived
+from w2c.messages import Array, CallTrace, JointInfo, LogRecord, RobotDescription, RobotState
 from w2c.messages.robot import DriverMode
 
 PERIOD_NS = 2_000_000
@@ -56,6 +57,36 @@ def state_at(tick: int, *, command: Array | None = None, **changes: object) -> R
         "mode": "holding",
     }
     return RobotState(**{**fields, **changes})  # type: ignore[arg-type]
+
+
+STATE_KEY = topics.ROBOT_STATE.key("test")
+
+
+def description_trace(outcome: str = "ok") -> RawReceived:
+    """Return the call of a controller that asked the robot to describe itself."""
+    trace = CallTrace(
+        service="robot",
+        method="describe",
+        instance="0",
+        outcome=outcome,
+        duration_ms=1.0,
+        request=b"",
+        reply=raw_message(describe(), "reply", sender="robot").payload,
+    )
+    return raw_message(trace, topics.TRACE.key("test", "controller"), sender="controller")
+
+
+def raw_states(ticks: Sequence[int], *, key: str = STATE_KEY, boot: str = "boot"
+               ) -> list[RawReceived]:  # fmt: skip
+    return [
+        raw_message(state_at(tick), key, number, boot_id=boot, sender="robot")
+        for number, tick in enumerate(ticks)
+    ]
+
+
+def recorded_session(ticks: Sequence[int]) -> list[RawReceived]:
+    """Return what a recorder hears of the robot: somebody asks what it is, and it is."""
+    return [description_trace(), *raw_states(ticks)]
 
 
 class ObedientMachine:

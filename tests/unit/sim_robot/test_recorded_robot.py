@@ -1,48 +1,29 @@
 """A recorded session in the place of a robot."""
 
 import threading
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from support.machines import ScriptedClock, describe, state_at
+from support.machines import (
+    STATE_KEY,
+    ScriptedClock,
+    description_trace,
+    raw_states,
+    recorded_session,
+    state_at,
+)
 from support.recordings import raw_mark, raw_message, write_recording
 from w2c import topics
 from w2c.bus import RawReceived
 from w2c.bus.inprocess import InProcessHub
 from w2c.driver import Driver
 from w2c.errors import RecordingError
-from w2c.messages import CallTrace, Empty, JointCommand, RobotState, StopRequest
+from w2c.messages import Empty, JointCommand, RobotState, StopRequest
 from w2c_sim_robot.recorded.config import RecordedRobotConfig
 from w2c_sim_robot.recorded.machine import RecordedRobot, open_recorded_robot
 from w2c_sim_robot.recorded.session import Session, pack, read_session, unpack
-
-STATE_KEY = topics.ROBOT_STATE.key("test")
-TRACE_KEY = topics.TRACE.key("test", "controller")
-
-
-def description_trace(outcome: str = "ok") -> RawReceived:
-    """Return the call of a controller that asked the robot to describe itself."""
-    trace = CallTrace(
-        service="robot",
-        method="describe",
-        instance="0",
-        outcome=outcome,
-        duration_ms=1.0,
-        request=b"",
-        reply=raw_message(describe(), "reply", sender="robot").payload,
-    )
-    return raw_message(trace, TRACE_KEY, sender="controller")
-
-
-def raw_states(ticks: Sequence[int], *, key: str = STATE_KEY, boot: str = "boot"
-               ) -> list[RawReceived]:  # fmt: skip
-    return [
-        raw_message(state_at(tick), key, number, boot_id=boot, sender="robot")
-        for number, tick in enumerate(ticks)
-    ]
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +31,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Ticks 100 to 149; 110 to 112 are missing, 120 was sent twice."""
     path = tmp_path_factory.mktemp("recording") / "session.mcap"
     ticks = sorted([*(tick for tick in range(100, 150) if tick not in (110, 111, 112)), 120])
-    write_recording(path, [raw_mark("begin"), description_trace(), *raw_states(ticks)])
+    write_recording(path, [raw_mark("begin"), *recorded_session(ticks)])
     return path
 
 
