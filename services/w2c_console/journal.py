@@ -2,8 +2,10 @@
 
 from collections import deque
 
-from w2c.messages import Advice, GoalEvent, Remark, Turn
-from w2c_console.page import AdviceNews, Entry, GoalEntry, RemarkLine, TurnEntry
+import numpy as np
+
+from w2c.messages import Advice, AllowedArea, GoalEvent, Remark, Turn
+from w2c_console.page import AdviceNews, AreaNews, Entry, GoalEntry, RemarkLine, TurnEntry
 
 ENTRIES_KEPT = 500
 
@@ -40,6 +42,17 @@ class Journal:
         return [entry for entry in self._entries if entry.id > entry_id]
 
 
+def area_news(area: AllowedArea) -> AreaNews:
+    """Return the allowed area of a picture as the page draws it."""
+    rows, columns = area.cells.shape
+    return AreaNews(
+        stamp=str(area.stamp_ns),
+        rows=rows,
+        columns=columns,
+        bits=np.packbits(area.cells == 0, axis=None).tobytes(),
+    )
+
+
 _ORDER = {"veto": 0, "caution": 1, "fine": 2}
 
 
@@ -56,10 +69,10 @@ def advice_news(advice: Advice) -> AdviceNews:
 
 
 def _numbers(remark: Remark) -> str:
-    if remark.value is None or remark.limit is None or remark.level == "veto":
+    """Return how strongly a phrase was seen; all other texts say their numbers themselves."""
+    if remark.value is None or remark.limit is None or remark.kind != "material":
         return ""
-    unit = f" {remark.unit}" if remark.unit else ""
-    return f"{remark.value:.3g}, limit {remark.limit:.3g}{unit}"
+    return f"{remark.value:.2f}, limit {remark.limit:.2f}"
 
 
 def turn_entry(turn: Turn, time_ms: int, entry_id: int = 0) -> TurnEntry:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from w2c import topics
 from w2c.messages import (
     Advice,
+    AllowedArea,
     CameraFrame,
     CameraView,
     ControllerStatus,
@@ -18,8 +19,8 @@ from w2c.messages import (
     Turn,
 )
 from w2c_console import panel
-from w2c_console.journal import Journal, advice_news
-from w2c_console.page import AdviceNews, Entry, Panel, PictureHeader
+from w2c_console.journal import Journal, advice_news, area_news
+from w2c_console.page import AdviceNews, AreaNews, Entry, Panel, PictureHeader
 from w2c_console.panel import Aged
 from w2c_console.view import FrameHistory, Scene, compose
 
@@ -37,6 +38,7 @@ class ConsoleModel:
         self._journal = Journal()
         self._target: Target | None = None
         self._advice: AdviceNews | None = None
+        self._area: AreaNews | None = None
         self._health: dict[tuple[str, str], Aged[Health]] = {}
         self._alive: frozenset[tuple[str, str]] = frozenset()
         self._robot: Aged[RobotState] | None = None
@@ -78,6 +80,13 @@ class ConsoleModel:
         """Take in what is known of a target besides its place."""
         with self._lock:
             self._advice = advice_news(message)
+        self._tell()
+
+    def on_area(self, message: AllowedArea) -> None:
+        """Take in where in a picture a hand may go."""
+        news = area_news(message)
+        with self._lock:
+            self._area = news
         self._tell()
 
     def on_turn(self, message: Turn, time_ms: int) -> None:
@@ -149,12 +158,18 @@ class ConsoleModel:
             notice=scene.notice,
             marker=scene.marker,
             boxes=list(scene.boxes),
+            area=str(scene.area_stamp_ns),
         )
 
     def advice(self) -> AdviceNews | None:
         """Return what was last said of a target besides its place."""
         with self._lock:
             return self._advice
+
+    def area(self) -> AreaNews | None:
+        """Return where a hand may go, in the picture that was last asked about."""
+        with self._lock:
+            return self._area
 
     def entries(self, after: int) -> list[Entry]:
         """Return the chat after an entry."""

@@ -112,6 +112,7 @@ class ConsoleNode:
         self._read(bus.queue(topics.CAMERA_VIEW), model.on_view)
         self._read(bus.queue(topics.TARGET), model.on_target)
         self._read(bus.queue(topics.ADVICE), model.on_advice)
+        self._read(bus.queue(topics.ALLOWED_AREA), model.on_area)
         self._read(bus.queue(topics.TURN), lambda m: model.on_turn(m, _wall_ms()))
         self._read(bus.queue(topics.GOAL_EVENT), lambda m: model.on_goal(m, _wall_ms()))
         self._read(bus.queue(topics.HEALTH), lambda m: model.on_health(m, clock.now_ns()))

@@ -47,6 +47,8 @@ class PictureHeader(msgspec.Struct, frozen=True):
     """Why there is no target on the picture, or why it does not move; for the operator"""
     marker: Marker | None
     boxes: list[LabelledBox]
+    area: str
+    """Stamp of the picture whose allowed area fits this one too; "-1": of none"""
 
 
 class TargetPanel(msgspec.Struct, frozen=True):
@@ -202,6 +204,17 @@ class AdviceNews(msgspec.Struct, frozen=True, tag_field="type", tag="advice"):
     """What could not be found out, and why"""
     pending: bool
     """There is more to come"""
+
+
+class AreaNews(msgspec.Struct, frozen=True, tag_field="type", tag="area"):
+    """Where in a picture a hand may go."""
+
+    stamp: str
+    """Of the picture"""
+    rows: int
+    columns: int
+    bits: bytes
+    """Row by row, eight cells a byte, the first in the highest bit; 1 = allowed. Base64 in JSON"""
 
 
 Entry = TurnEntry | GoalEntry

@@ -13,7 +13,7 @@ from starlette.types import Message
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from w2c.clock import Clock
-from w2c_console.page import AdviceNews, Entry, Hello, Panel, PictureHeader
+from w2c_console.page import AdviceNews, AreaNews, Entry, Hello, Panel, PictureHeader
 from w2c_console.view import Scene
 
 ANSWER_WITHIN_S = 1.0
@@ -42,6 +42,9 @@ class ConsoleView(Protocol):
 
     def advice(self) -> AdviceNews | None:
         """Return what was last said of a target besides its place."""
+
+    def area(self) -> AreaNews | None:
+        """Return where a hand may go, in the picture that was last asked about."""
 
     def panel(self, now_ns: int) -> Panel:
         """Return the state of everything."""
@@ -149,17 +152,17 @@ class Streams:
         self, socket: WebSocket, last: int, ended: "asyncio.Future[Message]"
     ) -> None:
         panel_due = time.monotonic()
-        told: AdviceNews | None = None
+        told: dict[type, AdviceNews | AreaNews] = {}
         with _Wakeup(self._view) as wakeup:
             while not ended.done():
                 wakeup.clear()
                 for entry in self._view.entries(last):
                     await _send(socket, entry)
                     last = entry.id
-                advice = self._view.advice()
-                if advice is not None and advice != told:
-                    await _send(socket, advice)
-                    told = advice
+                for news in (self._view.area(), self._view.advice()):
+                    if news is not None and news != told.get(type(news)):
+                        await _send(socket, news)
+                        told[type(news)] = news
                 if time.monotonic() >= panel_due:
                     await _send(socket, self._view.panel(self._clock.now_ns()))
                     panel_due = time.monotonic() + PANEL_PERIOD_S
@@ -188,5 +191,5 @@ def _sequence(scene: Scene) -> int:
     return 0 if scene.frame is None else scene.frame.sequence
 
 
-async def _send(socket: WebSocket, message: Hello | Panel | Entry | AdviceNews) -> None:
+async def _send(socket: WebSocket, message: Hello | Panel | Entry | AdviceNews | AreaNews) -> None:
     await socket.send_text(msgspec.json.encode(message).decode())

@@ -6,7 +6,7 @@ on the target's own picture while the operator has to decide about it, and says 
 """
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from w2c import geometry
 from w2c.errors import GeometryError
@@ -21,7 +21,7 @@ VIEWS_KEPT = 120
 POSE_PATIENCE_NS = 2_000_000_000
 """How much older than the newest a picture may be for the sake of a known camera pose [ns]"""
 BOX_SHIFT_LIMIT = 3.0
-"""Boxes are drawn on other pictures than their own while the target moved by less than this [px]"""
+"""Boxes and areas are drawn on other pictures than their own while the target moved by less [px]"""
 NO_DEPTH = "The target has no depth: its place is known in its own picture only."
 NO_POSE = "The camera's pose is not known: perception is silent."
 
@@ -48,6 +48,8 @@ class Scene:
     boxes: tuple[LabelledBox, ...] = ()
     frozen: bool = False
     notice: str = ""
+    area_stamp_ns: int = -1
+    """Of the picture whose allowed area fits this one too; -1: of none"""
 
 
 class FrameHistory:
@@ -150,7 +152,9 @@ def project(view: CameraView, target: Target) -> tuple[float, float] | None:
 
 
 def _on_own_frame(frame: Frame, target: Target) -> Scene:
-    return Scene(frame, _marker(target, target.u, target.v), _boxes(target))
+    return Scene(
+        frame, _marker(target, target.u, target.v), _boxes(target), area_stamp_ns=_area(target)
+    )
 
 
 def _on_newer_frame(history: FrameHistory, frame: Frame, target: Target) -> Scene:
@@ -161,8 +165,9 @@ def _on_newer_frame(history: FrameHistory, frame: Frame, target: Target) -> Scen
     if pixel is None:
         return Scene(frame, notice="The target is outside the picture.")
     shift = max(abs(pixel[0] - target.u), abs(pixel[1] - target.v))
-    boxes = _boxes(target) if shift < BOX_SHIFT_LIMIT else ()
-    return Scene(frame, _marker(target, *pixel), boxes)
+    if shift >= BOX_SHIFT_LIMIT:
+        return Scene(frame, _marker(target, *pixel))
+    return Scene(frame, _marker(target, *pixel), _boxes(target), area_stamp_ns=_area(target))
 
 
 def _without_place(
@@ -179,11 +184,16 @@ def _without_place(
         )
         return Scene(newest, notice=notice)
     scene = _on_own_frame(own, target)
-    return Scene(own, scene.marker, scene.boxes, frozen=True, notice=f"Picture frozen. {reason}")
+    return replace(scene, frozen=True, notice=f"Picture frozen. {reason}")
 
 
 def _marker(target: Target, u: float, v: float) -> Marker:
     return Marker(target.target_id, u, v, target.state, corrected=target.corrections > 0)
+
+
+def _area(target: Target) -> int:
+    """Return the picture whose allowed area matters: while the operator decides."""
+    return target.frame_stamp_ns if target.state == "proposed" else -1
 
 
 def _boxes(target: Target) -> tuple[LabelledBox, ...]:

@@ -40,8 +40,7 @@ def lines_of(advice: Advice) -> list[str]:
 
 
 def _numbers(remark: Remark) -> str:
-    """Return what was compared with what; the text of a veto says it itself."""
-    if remark.value is None or remark.limit is None or remark.level == "veto":
+    """Return how strongly a phrase was seen; all other texts say their numbers themselves."""
+    if remark.value is None or remark.limit is None or remark.kind != "material":
         return ""
-    unit = f" {remark.unit}" if remark.unit else ""
-    return f" ({remark.value:.3g}, limit {remark.limit:.3g}{unit})"
+    return f" ({remark.value:.2f}, limit {remark.limit:.2f})"

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fakes.console_world import ConsoleWorld
 from fakes.table_picture import BOOK_TOP, WIDTH, camera_pose, make_target, pixel_of
-from support.console_page import dot_on_picture, picture_shown, say
+from support.console_page import box_of, dot_on_picture, picture_shown, say
 from support.waiting import wait_until
 from w2c_console.view import POSE_PATIENCE_NS
 
@@ -39,7 +40,7 @@ def test_the_picture_is_drawn_where_the_overlay_says(world: ConsoleWorld, open_p
     page.get_by_role("img", name="target t-1").wait_for()
     u, v = dot_on_picture(page)
     pixel = page.evaluate(
-        "([u, v]) => [...document.querySelector('canvas').getContext('2d')"
+        "([u, v]) => [...document.querySelector('#canvas').getContext('2d')"
         ".getImageData(u, v, 1, 1).data]",
         [u, v],
     )
@@ -81,7 +82,7 @@ def test_a_click_points_at_the_pixel_under_it(
     world.take_picture(EPOCH)
     page = open_page(width)
     picture_shown(page)
-    canvas = page.locator("canvas").bounding_box()
+    canvas = page.locator("#canvas").bounding_box()
     scale = canvas["width"] / WIDTH
     page.mouse.click(canvas["x"] + 320 * scale, canvas["y"] + 500 * scale)
     wait_until(lambda: len(world.dialogue.pointed) == 1)
@@ -148,3 +149,32 @@ def test_a_silent_perception_freezes_the_page_too(world: ConsoleWorld, open_page
     page.get_by_role("img", name="target t-1").wait_for()
     world.take_picture(2 * SECOND + POSE_PATIENCE_NS, yaw=0.2, view=False)
     page.get_by_text("perception is silent").wait_for()
+
+
+def test_the_allowed_area_is_shaded_on_its_own_picture_and_can_be_hidden(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    cells = np.ones((9, 16), np.uint8)
+    cells[:, 8:] = 0  # the right half
+    world.take_picture(SECOND)
+    page = open_page()
+    picture_shown(page)
+    shade = page.get_by_role("img", name="Allowed area")
+    switch = page.get_by_role("checkbox", name="A hand may go here")
+    assert switch.count() == 0
+    world.dialogue.allow(SECOND, cells)
+    world.dialogue.show(make_target("t-1", SECOND))
+    shade.wait_for()
+    assert box_of(shade) == box_of(page.locator("#canvas"))
+    opacity = "shade => [7, 8].map(u => shade.getContext('2d').getImageData(u, 4, 1, 1).data[3])"
+    left, right = shade.evaluate(opacity)
+    assert left == 0
+    assert 40 < right < 160  # the picture shows through
+
+    switch.uncheck()
+    shade.wait_for(state="hidden")
+    switch.check()
+    shade.wait_for()
+    world.take_picture(2 * SECOND, yaw=0.1)  # the head turns: it would lie on other things now
+    shade.wait_for(state="hidden")
+    switch.wait_for(state="hidden")

@@ -19,6 +19,8 @@ from w2c.bus import CallContext, InProcessBus, InProcessHub
 from w2c.errors import RefusedError
 from w2c.messages import (
     Advice,
+    AllowedArea,
+    Array,
     CameraFrame,
     CameraView,
     ConfirmRequest,
@@ -86,6 +88,13 @@ class FakeDialogue:
                 seconds=0.3,
             ),
         )
+
+    def allow(self, stamp_ns: int, cells: Array) -> None:
+        """Publish where a hand may go: (rows, columns) uint8, 0 = there."""
+        area = AllowedArea(
+            stamp_ns=stamp_ns, width=WIDTH, height=HEIGHT, cells=cells, reasons=["too steep"]
+        )
+        self.bus.publish(topics.ALLOWED_AREA, area)
 
     def turn(self, text: str, module: str, reply: str, *, ok: bool = True) -> Turn:
         """Publish and return one exchange."""

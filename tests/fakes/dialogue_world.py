@@ -9,6 +9,7 @@ from w2c.errors import RefusedError, RemoteError, W2CError
 from w2c.messages import (
     AllowedArea,
     Box,
+    FitnessVerdict,
     GoalReply,
     GroundingReply,
     HeightField,
@@ -115,6 +116,9 @@ class TableTop:
         self.error: W2CError | None = None
         self.asked: list[tuple[float, float, int]] = []
         self.reach = 0.6
+        self.verdicts = [
+            FitnessVerdict(check="flat", fit=True, reason="flat", value=0.001, limit=0.004)
+        ]
         self.heights_error: W2CError | None = None
         self.heights_of: list[int] = []
         self.allowed_error: W2CError | None = None
@@ -158,6 +162,7 @@ class TableTop:
             slope=0.0,
             extent=0.1,
             frame_stamp_ns=frame_stamp_ns,
+            verdicts=self.verdicts,
         )
 
 

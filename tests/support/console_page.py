@@ -22,7 +22,7 @@ def box_of(locator: Any) -> dict[str, float]:
 
 def dot_on_picture(page: Any) -> tuple[float, float]:
     """Return where the middle of the dot is, in pixels of the picture as drawn on the screen."""
-    canvas = box_of(page.locator("canvas"))
+    canvas = box_of(page.locator("#canvas"))
     dot = box_of(page.get_by_role("img", name="target").locator(".dot"))
     u = (dot["x"] + dot["width"] / 2 - canvas["x"]) / canvas["width"] * WIDTH
     v = (dot["y"] + dot["height"] / 2 - canvas["y"]) / canvas["height"] * HEIGHT

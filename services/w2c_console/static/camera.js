@@ -1,6 +1,7 @@
 // @ts-check
 /** The picture and what is drawn on it. Both change in the same instant: a marker on another picture would lie. */
 
+import { Area } from "./area.js";
 import { Connection } from "./connection.js";
 import { byId, makeSvg, shortId } from "./dom.js";
 
@@ -13,7 +14,7 @@ const HINT = "Click on the picture to point at a place.";
  * @typedef {{left: number, top: number, right: number, bottom: number, phrase: string}} Box
  * @typedef {{
  *   sequence: number, stamp: string, width: number, height: number, age_s: number, silent_s: number,
- *   limit_s: number, frozen: boolean, notice: string, marker: Marker | null, boxes: Box[],
+ *   limit_s: number, frozen: boolean, notice: string, marker: Marker | null, boxes: Box[], area: string,
  * }} Header
  */
 
@@ -29,6 +30,7 @@ export class Camera {
     this.handlers = handlers;
     this.canvas = byId("canvas", HTMLCanvasElement);
     this.overlay = byId("overlay", SVGSVGElement);
+    this.area = new Area();
     this.live = false;
     /** @type {Header | null} what is on the screen */
     this.header = null;
@@ -95,6 +97,7 @@ export class Camera {
   /** @param {Header} header */
   drawOverlay(header) {
     byId("boxes", SVGGElement).replaceChildren(...header.boxes.map(boxShape));
+    this.area.show(header.area);
     const marker = header.marker;
     byId("marker", SVGGElement).replaceChildren(...(marker === null ? [] : [markerShape(marker, header)]));
     byId("picture", HTMLElement).classList.toggle("frozen", header.frozen);

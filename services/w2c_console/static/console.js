@@ -73,6 +73,8 @@ function receiveNews(news) {
   } else if (news.type === "advice") {
     advice = news;
     showTarget();
+  } else if (news.type === "area") {
+    camera.area.take(news);
   } else {
     lastEntry = news.id;
     if (news.type === "turn") chat.showTurn(news);

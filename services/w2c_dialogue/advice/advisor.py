@@ -14,7 +14,13 @@ from w2c.errors import W2CError
 from w2c.messages import Advice, AdviceCheck, Remark, Unchecked
 from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.advice.heat import hits
-from w2c_dialogue.advice.remarks import named_materials, reach_remark, seen_materials, veto_remarks
+from w2c_dialogue.advice.remarks import (
+    named_materials,
+    reach_remark,
+    seen_materials,
+    surface_remarks,
+    veto_remarks,
+)
 from w2c_dialogue.advice.veto import unknown_text
 from w2c_dialogue.advice.watch import Watch
 from w2c_dialogue.advice.wordlist import named_in
@@ -80,6 +86,7 @@ class Checks:
         self.all: tuple[tuple[AdviceCheck, Callable[[Draft], None]], ...] = (
             ("veto", self._veto),
             ("material", self._material),
+            ("surface", self._surface),
             ("reach", self._reach),
         )
 
@@ -105,6 +112,18 @@ class Checks:
         unknown = tuple(phrase for phrase in self._fragile if phrase in seen.unknown)
         if unknown:
             draft.skip("material", unknown_text(unknown))
+
+    def _surface(self, draft: Draft) -> None:
+        limb, task, _ = self._limbs.choose(draft.shown, self._model)
+        if task == "reach":
+            return  # what is only touched need not carry anything
+        lifted = draft.shown.lifted
+        if limb not in ("left_hand", "right_hand"):
+            draft.skip("surface", "judged for hands only, and this is for a foot")
+        elif lifted is None or not lifted.verdicts:
+            draft.skip("surface", "perception has not judged it: there is no depth")
+        else:
+            draft.remarks += surface_remarks(lifted.verdicts)
 
     def _reach(self, draft: Draft) -> None:
         limb, task, _ = self._limbs.choose(draft.shown, self._model)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from w2c.messages import EndEffector, PreviewReply, Remark, Task
+from w2c.messages import EndEffector, FitnessVerdict, PreviewReply, Remark, Task
 from w2c_dialogue.advice.heat import Hit
 from w2c_dialogue.advice.veto import Verdict
 from w2c_dialogue.advice.wordlist import fragility
@@ -49,6 +49,27 @@ def seen_materials(seen: Sequence[Hit]) -> list[Remark]:
         )
         for hit in seen
     ]
+
+
+def surface_remarks(verdicts: Sequence[FitnessVerdict]) -> list[Remark]:
+    """Return why the shape of a surface does not carry a hand, or one remark that it does."""
+    unfit = [
+        Remark(
+            kind="surface",
+            level="caution",
+            text=verdict.reason,
+            source="perception",
+            value=verdict.value,
+            limit=verdict.limit,
+            unit="rad" if verdict.check == "slope" else "m",
+        )
+        for verdict in verdicts
+        if not verdict.fit
+    ]
+    if unfit or not verdicts:
+        return unfit
+    text = "by its shape the surface can carry a hand"
+    return [Remark(kind="surface", level="fine", text=text, source="perception")]
 
 
 def reach_remark(limb: EndEffector, task: Task, preview: PreviewReply) -> Remark:

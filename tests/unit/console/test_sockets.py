@@ -88,7 +88,7 @@ def test_advice_is_told_at_once_and_only_when_it_changes(page: Page) -> None:
         advise("glass")
         while (news := socket.receive_json())["type"] != "advice":
             assert news["type"] == "panel"
-        assert news["remarks"][0]["numbers"] == "0.5, limit 0.2"
+        assert news["remarks"][0]["numbers"] == "0.50, limit 0.20"
         advise("glass")
         for text in ("one", "two"):  # each wakes the stream
             turn = Turn(stamp_ns=1, text=text, module="none", reply="", ok=True, seconds=0.0)

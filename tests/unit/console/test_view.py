@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fakes.table_picture import BOOK_TOP, CAMERA, HEIGHT, WIDTH, camera_pose, make_target, pixel_of
-from w2c.messages import CameraFrame, CameraView
+from w2c.messages import AllowedArea, CameraFrame, CameraView
+from w2c_console.journal import area_news
 from w2c_console.view import (
     FRAMES_KEPT,
     POSE_PATIENCE_NS,
@@ -197,3 +198,27 @@ def test_corrections_change_the_colour() -> None:
         scene = compose(history(SECOND), target, live=False)
         assert scene.marker is not None
         assert scene.marker.corrected is corrected
+
+
+@pytest.mark.parametrize(
+    ("yaw", "state", "expected"),
+    [(0.0, "proposed", SECOND), (0.1, "proposed", -1), (0.0, "confirmed", -1)],
+)
+def test_an_allowed_area_fits_while_the_operator_decides_and_the_head_keeps_still(
+    yaw: float, state: str, expected: int
+) -> None:
+    target = make_target("t-1", SECOND, state=state)
+    own = compose(history(SECOND), target, live=False)
+    assert own.area_stamp_ns == (SECOND if state == "proposed" else -1)
+    newer = history(SECOND, 2 * SECOND, views=(2 * SECOND,), yaw=yaw)
+    assert compose(newer, target, live=False).area_stamp_ns == expected
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 40), st.integers(1, 40))
+def test_the_bits_of_an_area_are_its_allowed_cells(seed: int, rows: int, columns: int) -> None:
+    cells = np.random.default_rng(seed).integers(0, 2, (rows, columns)).astype(np.uint8)
+    area = AllowedArea(stamp_ns=5, width=64, height=48, cells=cells, reasons=["too steep"])
+    news = area_news(area)
+    assert (news.stamp, news.rows, news.columns) == ("5", rows, columns)
+    bits = np.unpackbits(np.frombuffer(news.bits, np.uint8), count=rows * columns)
+    np.testing.assert_array_equal(bits.reshape(rows, columns) == 1, cells == 0)

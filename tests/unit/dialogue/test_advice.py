@@ -6,7 +6,7 @@ import pytest
 
 from support.conversing import BOOK, FIRST, World, first_words
 from w2c.errors import DeadlineError, ModelError, UnavailableError
-from w2c.messages import Advice, ConfirmRequest, PointRequest, PreviewReply, Remark
+from w2c.messages import Advice, ConfirmRequest, FitnessVerdict, PointRequest, PreviewReply, Remark
 from w2c_dialogue.advice.advisor import Advisor, Checks
 from w2c_dialogue.conversation import Shown
 
@@ -61,8 +61,11 @@ def test_a_good_target_is_said_to_be_reachable_and_nothing_speaks_against_it() -
     advice = Desk(world).advise()
     assert advice.target_id == world.shown
     assert advice.frame_stamp_ns == 100
-    assert [remark.level for remark in advice.remarks] == ["fine"]
-    (reach,) = advice.remarks
+    assert [(remark.kind, remark.level) for remark in advice.remarks] == [
+        ("surface", "fine"),
+        ("reach", "fine"),
+    ]
+    (reach,) = of_kind(advice, "reach")
     assert reach.text == "my right hand can lean there from here"
     assert (reach.value, reach.unit, reach.source) == (0.001, "m", "controller")
     assert advice.pending == []
@@ -72,7 +75,12 @@ def test_a_good_target_is_said_to_be_reachable_and_nothing_speaks_against_it() -
 def test_each_check_is_told_as_soon_as_it_is_made() -> None:
     desk = Desk(proposed())
     desk.advise()
-    assert [advice.pending for advice in desk.told] == [["material", "reach"], ["reach"], []]
+    assert [advice.pending for advice in desk.told] == [
+        ["material", "surface", "reach"],
+        ["surface", "reach"],
+        ["reach"],
+        [],
+    ]
 
 
 def test_a_point_out_of_reach_is_told_with_reason_and_distance_and_stays_the_operators_choice() -> (
@@ -142,7 +150,7 @@ def test_a_silent_grounding_leaves_confirm_open_because_it_looks_again() -> None
     advice = Desk(world).advise()
     assert advice.refusal == ""
     assert [item.check for item in advice.unchecked] == ["veto", "material"]
-    assert [remark.kind for remark in advice.remarks] == ["reach"]
+    assert [remark.kind for remark in advice.remarks] == ["surface", "reach"]
 
 
 @pytest.mark.parametrize("error", [UnavailableError("starting"), DeadlineError("late")])
@@ -156,7 +164,38 @@ def test_a_controller_that_does_not_answer_is_an_unchecked_reach(error: Exceptio
 def test_a_language_model_that_fails_is_an_unchecked_reach() -> None:
     world = proposed(effector=[ModelError("no such limb")])
     advice = Desk(world).advise()
-    assert advice.unchecked[-1].check == "reach"
+    assert [item.check for item in advice.unchecked] == ["surface", "reach"]
+
+
+def test_an_unfit_surface_is_told_check_by_check_and_stays_the_operators_choice() -> None:
+    world = World(**first_words())
+    world.lift.verdicts = [
+        FitnessVerdict(check="flat", fit=True, reason="flat", value=0.001, limit=0.004),
+        FitnessVerdict(check="large", fit=False, reason="too small", value=0.01, limit=0.03),
+        FitnessVerdict(check="slope", fit=False, reason="too steep", value=0.7, limit=0.54),
+    ]
+    world.say(FIRST)
+    advice = Desk(world).advise()
+    found = [(r.text, r.level, r.value, r.limit, r.unit) for r in of_kind(advice, "surface")]
+    assert found == [
+        ("too small", "caution", 0.01, 0.03, "m"),
+        ("too steep", "caution", 0.7, 0.54, "rad"),
+    ]
+    assert advice.refusal == ""
+
+
+def test_what_is_only_reached_for_need_not_carry_a_hand() -> None:
+    world = proposed(effector=[{"effector": "right_hand", "task": "reach"}])
+    advice = Desk(world).advise()
+    assert of_kind(advice, "surface") == []
+    assert "surface" not in {item.check for item in advice.unchecked}
+
+
+def test_a_place_for_a_foot_is_not_judged_as_one_for_a_hand() -> None:
+    world = proposed(effector=[{"effector": "left_foot", "task": "contact"}])
+    advice = Desk(world).advise()
+    assert of_kind(advice, "surface") == []
+    assert "foot" in {item.check: item.reason for item in advice.unchecked}["surface"]
 
 
 def test_a_target_without_depth_has_no_reach() -> None:
@@ -173,7 +212,7 @@ def test_no_check_begins_after_the_deadline() -> None:
     world = proposed()
     world.clock.set(20_000_000_000)
     advice = Desk(world, deadline_s=5.0).advise(since_ns=1)
-    assert {item.check for item in advice.unchecked} == {"veto", "material", "reach"}
+    assert {item.check for item in advice.unchecked} == {"veto", "material", "surface", "reach"}
     assert "limit 5 s" in advice.unchecked[0].reason
     assert not world.grounding.watched
     assert not world.controller.previewed

@@ -60,7 +60,10 @@ def test_every_candidate_is_on_the_thing_and_allowed(
         assert heat[int(v / 4), int(u / 4)] == 200
         assert cells[int(v / 20), int(u / 20)] == 0
     pixels = [one.pixel for one in found]
-    assert len(set(pixels)) == len(pixels)
+    spacing = 0.15 * 60 * 4  # of the thing's 240 px
+    for i, pixel in enumerate(pixels):
+        for other in pixels[:i]:
+            assert np.hypot(pixel[0] - other[0], pixel[1] - other[1]) >= spacing
 
 
 @given(cells=codes, rows=st.sampled_from([36, 72, 180]), columns=st.sampled_from([64, 128, 320]))

@@ -329,7 +329,7 @@ def test_advice_follows_the_turn_on_a_stream_of_its_own(robot: Robot) -> None:
         received = told.receive(WAIT_S)
     assert received is not None
     advice = received.message
-    assert [remark.kind for remark in advice.remarks] == ["material", "reach"]
+    assert [remark.kind for remark in advice.remarks] == ["material", "surface", "reach"]
     assert robot.confirm(advice.target_id).ok
 
 

@@ -36,7 +36,7 @@ def advice(target_id: str = "t-1", pending: list[AdviceCheck] | None = None) -> 
 def test_what_forbids_comes_first_and_what_is_unknown_last() -> None:
     assert lines_of(advice()) == [
         "veto: I see 'person'",
-        "caution: looks like glass: may break under my weight (0.543, limit 0.17)",
+        "caution: looks like glass: may break under my weight (0.54, limit 0.17)",
         "fine: my right hand can lean there",
         "not checked: veto: does not know 'flame'",
     ]
