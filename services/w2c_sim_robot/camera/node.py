@@ -41,13 +41,21 @@ class CameraNode:
     def configure(self) -> None:
         """Build the robot's model with the scene, and answer who asks for pictures."""
         scene = scenes.load(Path(self._config.scene)) if self._config.scene else None
-        self._studio = Studio(scene)
+        self._studio = Studio(
+            scene,
+            size=(self._config.width, self._config.height),
+            jpeg_quality=self._config.jpeg_quality,
+        )
         self._truth = self._bus.latest(topics.TRUTH)
         self._bus.serve(topics.CAPTURE, self._capture)
         self._bus.serve(topics.PICTURE, self._picture)
 
     def run(self, stop: threading.Event) -> None:
         """Draw until `stop`."""
+        while self._config.rate == 0.0 and not stop.is_set():
+            self._do_jobs(_POLL_S)
+        if stop.is_set():
+            return
         period_ns = round(1e9 / self._config.rate)
         next_ns = self._clock.now_ns()
         while not stop.is_set():
@@ -68,7 +76,7 @@ class CameraNode:
             self._studio.close()
 
     def _publish(self, received: Received[Truth]) -> None:
-        """Draw the stream's next picture: no shadows, no antialiasing, for speed."""
+        """Draw the stream's next picture."""
         try:
             self._pose(received.message)
         except ConfigError as error:
@@ -79,7 +87,12 @@ class CameraNode:
             self._mismatch = str(error)
             return
         self._mismatch = ""
-        frame = self._ready().frame(received.message.stamp_ns)
+        frame = self._ready().frame(
+            received.message.stamp_ns,
+            shadows=self._config.shadows,
+            antialiasing=self._config.antialiasing,
+            depth=self._config.depth,
+        )
         self._bus.publish(topics.CAMERA_FRAME, frame, [received.as_input()])
 
     def _pose(self, truth: Truth) -> None:
