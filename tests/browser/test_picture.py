@@ -162,8 +162,12 @@ def test_the_allowed_area_is_shaded_on_its_own_picture_and_can_be_hidden(
     shade = page.get_by_role("img", name="Allowed area")
     switch = page.get_by_role("checkbox", name="A hand may go here")
     assert switch.count() == 0
-    world.dialogue.allow(SECOND, cells)
+    world.dialogue.allow(7, cells)  # of another picture
     world.dialogue.show(make_target("t-1", SECOND))
+    page.get_by_role("img", name="target t-1").wait_for()
+    wait_until(lambda: page.locator("#area").evaluate("shade => shade.width") == 16)
+    assert shade.is_hidden()
+    world.dialogue.allow(SECOND, cells)
     shade.wait_for()
     assert box_of(shade) == box_of(page.locator("#canvas"))
     opacity = "shade => [7, 8].map(u => shade.getContext('2d').getImageData(u, 4, 1, 1).data[3])"
