@@ -8,6 +8,7 @@ controller gives a tick that it has answered before the same answer, without com
 
 import logging
 import threading
+import time
 from collections.abc import Callable
 from functools import partial
 from typing import TypeVar
@@ -39,7 +40,13 @@ class Driver:
     """A node: see the module."""
 
     def __init__(
-        self, config: DriverConfig, bus: Bus, clock: Clock, make_machine: Callable[[], Machine]
+        self,
+        config: DriverConfig,
+        bus: Bus,
+        clock: Clock,
+        make_machine: Callable[[], Machine],
+        *,
+        processor_ns: Callable[[], int] = time.thread_time_ns,
     ) -> None:
         """Prepare; nothing is done yet.
 
@@ -48,11 +55,13 @@ class Driver:
             bus: the robot's own hub.
             clock: of the loop.
             make_machine: makes the machine when the driver is configured.
+            processor_ns: processor time of the calling thread [ns].
         """
         self._config = config
         self._bus = bus
         self._clock = clock
         self._make_machine = make_machine
+        self._processor_ns = processor_ns
         # Held for microseconds: by the loop for each command, by the handlers of stop and resume.
         self._lock = threading.Lock()
         self._command_input: tuple[Input, ...] = ()
@@ -114,7 +123,7 @@ class Driver:
 
     def run(self, stop: threading.Event) -> None:
         """Live until `stop`."""
-        self._meter = Meter(self._clock, self._period_ns)
+        self._meter = Meter(self._clock, self._period_ns, self._processor_ns)
         with collector_off():
             if self._lock_step:
                 self._run_in_lock_step(stop, self._commands)

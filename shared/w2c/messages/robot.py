@@ -96,8 +96,8 @@ class RobotStatistics(Message, frozen=True, kw_only=True):
     pace: float
     """Robot time over wall time since the last of these: 1 in real time"""
     real_time_factor: float
-    """What the pace would be without waiting: the period over the time that the machine's step
-    took, since the last of these. Below 1 it cannot keep real time"""
+    """What the pace would be with a core for the machine alone: the period over the processor time
+    of its step, since the last of these. Below 1 it cannot keep real time"""
     late_periods: int
     """Periods since the start that began more than a period after they were due"""
     gaps_20ms: int

@@ -22,9 +22,11 @@ CONFIG = DriverConfig(robot="test", real_time="off")
 
 
 @contextmanager
-def driver_of(machine: Machine, hub: InProcessHub, clock: Clock) -> Iterator[Driver]:
+def driver_of(
+    machine: Machine, hub: InProcessHub, clock: Clock, processor_ns: Callable[[], int] = lambda: 0
+) -> Iterator[Driver]:
     bus = hub.connect("robot")
-    driver = Driver(CONFIG, bus, clock, lambda: machine)
+    driver = Driver(CONFIG, bus, clock, lambda: machine, processor_ns=processor_ns)
     try:
         driver.configure()
         yield driver
@@ -127,7 +129,7 @@ def test_statistics_tell_pace_work_and_late_periods() -> None:
             stop.set()
 
     clock = ScriptedClock(at_tick)
-    with driver_of(machine, hub, clock) as driver:
+    with driver_of(machine, hub, clock, lambda: clock.now) as driver:
         driver.run(stop)
         detail = driver.detail
     found = []
@@ -195,14 +197,15 @@ def test_a_description_without_limits_is_refused(urdf: str, words: str) -> None:
 
 
 def test_a_meter_tells_pace_and_factor_since_it_was_read() -> None:
-    clock = StepClock()
-    meter = Meter(clock, PERIOD_NS)
+    clock, processor = StepClock(), StepClock(500)
+    meter = Meter(clock, PERIOD_NS, processor.now_ns)
     assert meter.read() == (0.0, 0.0)
     for _ in range(10):
         meter.begin()
-        clock.set(clock.now_ns() + 1_000_000)
+        processor.set(processor.now_ns() + 1_000_000)
         meter.end()
-        clock.set(clock.now_ns() + 3_000_000)
+        processor.set(processor.now_ns() + 500_000)  # not the machine's
+        clock.set(clock.now_ns() + 4_000_000)
     assert meter.read() == (0.5, 2.0)
     meter.begin()
     meter.end()
