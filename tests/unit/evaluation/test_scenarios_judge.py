@@ -286,6 +286,13 @@ def test_a_right_target_that_the_controller_refuses_is_control() -> None:
     assert conclude(SCENARIO, 0, refused, found).cause == "control"
 
 
+def test_a_target_that_was_never_confirmed_is_at_no_place() -> None:
+    mute = Played([PromptRun([turn("place")], BOOK, None, "gave up")])
+    found = verdict(what=mute)
+    assert np.isnan(found.place_errors_m[0])
+    assert conclude(SCENARIO, 0, mute, found).cause == "operator"
+
+
 def test_a_hidden_place_is_the_scene() -> None:
     assert find_cause(BOOK_PROMPT, PromptRun(), right_place=False) == "scene"
 

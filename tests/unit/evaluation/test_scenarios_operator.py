@@ -75,6 +75,12 @@ def test_who_is_not_heard_gives_up_after_six() -> None:
     assert "(300, 200) px" in said[-1].reason
 
 
+def test_where_no_words_would_help_nothing_is_said() -> None:
+    """Three pixels off, in a circle that nobody can be inside: the smallest step is ten."""
+    never = Circle((403.0, 302.0), np.eye(2) * 1e6, 8.0)
+    assert choose_words(Sight((400.0, 300.0), never), None, np.random.default_rng(0)) is None
+
+
 def test_a_point_that_did_not_move_is_no_move_to_speak_of() -> None:
     speaker = Speaker(np.random.default_rng(3), most=200)
     sight = Sight((100.0, 100.0), circle((400.0, 300.0)))
