@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree  # made by make_urdf; nobody else's XML is read here
 
 import mujoco
+import numpy as np
 
 from w2c.messages import RobotDescription
 from w2c_sim_robot import talos
@@ -11,6 +12,7 @@ from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import WORLD_CONAFFINITY, WORLD_CONTYPE, build_spec, compile_spec
 from w2c_sim_robot.perturbation import Perturbation
 from w2c_sim_robot.physics import Simulator
+from w2c_sim_robot.sensor_errors import SensorErrors
 from w2c_sim_robot.urdf import make_urdf
 
 
@@ -29,6 +31,8 @@ def study_robot(
     blocks: tuple[Block, ...] = (),
     *,
     description: RobotDescription | None = None,
+    sensors: SensorErrors | None = None,
+    generator: np.random.Generator | None = None,
 ) -> Simulator:
     """Return a robot that stands ready, without what is only looked at.
 
@@ -36,6 +40,8 @@ def study_robot(
         perturbation: what its description does not tell; None = nothing.
         blocks: what stands before it.
         description: of the robot, nominal; None makes it.
+        sensors: how they err; None = not at all.
+        generator: seeded, for sensors that err, and for nothing else.
     """
     perturbation = perturbation or Perturbation()
     spec = build_spec()
@@ -52,6 +58,8 @@ def study_robot(
     return Simulator(
         compile_spec(spec, perturbation, visuals=False),
         description or make_description(lock_step=True),
+        sensors=sensors,
+        generator=generator,
         left_hand_mass=perturbation.hand_mass[0],
     )
 

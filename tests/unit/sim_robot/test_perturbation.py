@@ -9,6 +9,7 @@ from w2c.messages import Array
 from w2c_sim_robot.perturbation import Perturbation, raise_scene
 from w2c_sim_robot.physics import Simulator
 from w2c_sim_robot.scenes.scenario_a import scenario_a
+from w2c_sim_robot.sensor_errors import JointErrors, SensorErrors
 from w2c_sim_robot.study import Block, loaded_description, study_robot
 
 GRAVITY = 9.81
@@ -135,3 +136,13 @@ def test_a_block_is_raised_too() -> None:
     block = Block(centre=(0.55, -0.3, 0.45), half_size=(0.3, 0.3, 0.45))
     model = study_robot(Perturbation(table_height=0.05), (block,)).model
     assert model.geom("block_0").pos[2] == pytest.approx(0.5)
+
+
+def test_the_sensors_of_a_study_err_by_its_seed() -> None:
+    biased = SensorErrors(torque=JointErrors(bias=3.0))
+    with pytest.raises(ConfigError, match="need a generator"):
+        study_robot(sensors=biased)
+    robots = [study_robot(sensors=biased, generator=np.random.default_rng(s)) for s in (1, 1, 2)]
+    torques = [robot.state().torque.tolist() for robot in robots]
+    assert torques[0] == torques[1] != torques[2]
+    assert robots[0].state().position.tolist() == robots[2].state().position.tolist()
