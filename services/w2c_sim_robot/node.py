@@ -12,7 +12,7 @@ from w2c.bus import Bus
 from w2c.bus.interface import CallContext
 from w2c.clock import Clock
 from w2c.driver import Driver
-from w2c.errors import ConfigError
+from w2c.errors import ConfigError, ControlError
 from w2c.messages import Array, PushReply, PushRequest, RobotDescription, RobotState
 from w2c.messages.robot import DriverMode
 from w2c_sim_robot.config import RobotConfig
@@ -66,7 +66,14 @@ class SimulatedRobot:
             bus.publish(topics.TRUTH, self.simulator.truth())
 
     def push(self, request: PushRequest, context: CallContext) -> PushReply:
-        """Push a body from a tick on. Raises ControlError for a push that makes no sense."""
+        """Push a body from a tick on.
+
+        Raises:
+            ControlError: the caller may not know the truth, so not make it; or it makes no sense.
+        """
+        if context.caller not in topics.PUSH.callers:
+            allowed = ", ".join(topics.PUSH.callers)
+            raise ControlError(f"'{context.caller}' may not push the robot, only {allowed} may")
         with self._lock:
             tick = self.simulator.push(
                 request.force,

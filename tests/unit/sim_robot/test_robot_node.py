@@ -225,6 +225,8 @@ def test_a_push_by_a_call_moves_the_robot_from_its_tick_on() -> None:
         states = answer(controller, 12, lambda state: state.command)
         with pytest.raises(RefusedError, match="tick 3 on is too late"):
             judge.call(topics.PUSH, PushRequest(force=force, tick=3))
+        with pytest.raises(RefusedError, match="'operator' may not push"):
+            hub.connect("operator").call(topics.PUSH, PushRequest(force=force))
         with pytest.raises(RefusedError, match="no body 'table'"):
             judge.call(topics.PUSH, PushRequest(force=force, link="table"))
         now = judge.call(topics.PUSH, PushRequest(force=force, link="head_2_link")).message.tick
