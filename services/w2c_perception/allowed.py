@@ -24,9 +24,11 @@ CELL = SAMPLE_STEP * CELL_STEP
 """Side of a cell [px]"""
 BRIDGE = 5
 """Samples across in which holes are filled"""
+MOSTLY = 0.5
+"""Of what is around a hole must be seen: at the end of a surface less is"""
 KNOWN_SHARE = 0.6
 """Of a window that must have depth"""
-GOOD_SHARE = 0.97
+GOOD_SHARE = 0.96
 """Of the flat samples in a window that is large enough"""
 WALL = np.radians(65.0)
 """Steeper is a wall: it carries no weight, but a hand can push against it"""
@@ -97,7 +99,11 @@ def allowed_cells(
     arm = on_arms(points, arms).reshape(z.shape) & near_seen
     good = flat & level & ~arm
     # What is flat is so for the hand's radius around: the margin is beyond that.
-    large = _all_around(good, known, planes.normals, radius * demands.margin / demands.radius)
+    beyond = demands.margin / demands.radius
+    large = good & _all_around(good, known, planes.normals, radius * beyond)
+    # What is not seen may be where the surface ends.
+    everywhere = np.ones_like(near_seen)
+    large &= _all_around(near_seen, everywhere, planes.normals, radius * (1.0 + beyond))
     codes = np.select(
         [arm, ~known, ~flat, ~level, ~large], [ARM, UNSEEN, UNEVEN, STEEP, SMALL], ALLOWED
     )
@@ -109,7 +115,7 @@ def _bridged(z: Points, seen: npt.NDArray[np.bool_]) -> tuple[Points, npt.NDArra
     size = (BRIDGE, BRIDGE)
     share = np.asarray(cv2.blur(seen.astype(np.float64), size))
     mean = np.asarray(cv2.blur(np.where(seen, z, 0.0), size)) / np.maximum(share, 1e-9)
-    near = share > 0.0
+    near = share >= MOSTLY
     return np.where(seen, z, np.where(near, mean, 1.0)), near
 
 
@@ -167,7 +173,7 @@ def _fit_planes(
 def _all_around(
     good: npt.NDArray[np.bool_], known: npt.NDArray[np.bool_], normals: Points, radius: Points
 ) -> npt.NDArray[np.bool_]:
-    """Tell of which samples all known ones are good within a radius (samples) on the surface.
+    """Tell around which samples the known ones are good within a radius (samples) on the surface.
 
     A disc seen at an angle is an ellipse in the picture, with half axes by its normal.
     """
@@ -176,7 +182,7 @@ def _all_around(
     layers = np.stack([good, known]).astype(np.float64)
     sums, area = _window_sums(layers, across, down)
     enough = sums[1] >= KNOWN_SHARE * area
-    return np.asarray(good & enough & (sums[0] >= GOOD_SHARE * sums[1]))
+    return np.asarray(enough & (sums[0] >= GOOD_SHARE * sums[1]))
 
 
 def _window_sums(layers: Points, across: Points, down: Points) -> tuple[Points, Points]:

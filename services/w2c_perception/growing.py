@@ -27,6 +27,9 @@ HYPOTHESES = 60
 """Planes that are tried in the first disc"""
 ENDED = 0.55
 """A disc of which a smaller share agrees is more than this surface"""
+MISFIT = 1.2
+"""A disc of which the pixels that agree are off by more than so many standard deviations, as a root
+mean square, is no such surface"""
 BENDS = 25.0
 """Second-order terms count where they explain so many noise variances (chi square, three degrees
 of freedom)"""
@@ -43,6 +46,8 @@ class Piece:
     """Of the disc that it was fitted in [px]"""
     share: float
     """Of the pixels with depth in that disc that agree"""
+    misfit: float
+    """Root mean square of what is left over of those, over the noise"""
     dissent: float = 0.0
     """Largest difference of 1 / z at the pixel between this piece and the smaller ones [1/m]"""
 
@@ -69,7 +74,7 @@ def grow(depth: Depth, seed: Seed, focal: float, footprint: float, sigma: float)
         found = samples(depth, seed.u, seed.v, radius)
         repeats = 1 if radius < largest else LAST_REPEATS
         larger = _Disc(found, seed, radius, sigma).go_on_from(best.patch, repeats)
-        if larger is None or larger.share < ENDED:
+        if larger is None or larger.share < ENDED or larger.misfit > MISFIT:
             break
         best = larger
         values.append(_value(best))
@@ -98,7 +103,11 @@ def _first(depth: Depth, seed: Seed, radius: float, focal: float, sigma: float) 
             "line; choose a larger surface or come closer"
         )
     refined = disc.go_on_from(start, 1)
-    return refined if refined is not None else Piece(start, radius, float(same.mean()))
+    return (
+        refined
+        if refined is not None
+        else Piece(start, radius, float(same.mean()), disc.misfit(start, same))
+    )
 
 
 def _consensus(found: Samples, seed: Seed, focal: float, sigma: float) -> npt.NDArray[np.bool_]:
@@ -107,7 +116,7 @@ def _consensus(found: Samples, seed: Seed, focal: float, sigma: float) -> npt.ND
     Planes through the seed and two pixels at random; the draws are fixed, so that the same picture
     gives the same answer. Planes that are seen at a grazing angle do not count: they are edges.
     """
-    across, down = found.u - seed.u, found.v - seed.v
+    across, down = found.u - seed.anchor[0], found.v - seed.anchor[1]
     inverse = 1.0 / found.z
     step = inverse - 1.0 / seed.depth
     pairs = np.random.default_rng(0).integers(len(step), size=(HYPOTHESES, 2))
@@ -149,7 +158,13 @@ class _Disc:
             if agrees.sum() < MIN_POINTS:
                 return None
             found = self.fit(agrees)
-        return None if found is None else Piece(found, self._radius, float(agrees.mean()))
+        if found is None:
+            return None
+        return Piece(found, self._radius, float(agrees.mean()), self.misfit(found, agrees))
+
+    def misfit(self, patch: Patch, chosen: npt.NDArray[np.bool_]) -> float:
+        """Return what a patch through some pixels leaves over, over the noise."""
+        return patch.spread / float(np.mean(self._sigma[chosen]))
 
     def fit(self, chosen: npt.NDArray[np.bool_]) -> Patch | None:
         """Return the patch through some pixels, curved where that explains more than chance."""

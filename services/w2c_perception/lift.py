@@ -138,12 +138,13 @@ def _error_bound(
     z = float(point[2])
     along = float(np.linalg.norm(point)) / z
     of_noise = COVERS * piece.patch.deviation(seed.u, seed.v) * sigma
-    of_shape = piece.dissent * z * z
+    unexplained = float(np.sqrt(max(0.0, piece.misfit**2 - 1.0))) * sigma
+    of_shape = piece.dissent * z * z + unexplained
     # A pixel that was moved sidewards moves along the surface, which is longer where it is steep.
     facing = max(0.1, abs(float(normal @ point)) / float(np.linalg.norm(point)))
     of_moving = seed.moved * z / intrinsics.fx / facing
     return (
-        along * (of_noise + of_shape + max(SMALLEST_NOISE, 0.5 * depth_unit) + seed.behind)
+        along * (of_noise + of_shape + max(COVERS * SMALLEST_NOISE, 0.5 * depth_unit) + seed.behind)
         + of_moving
     )
 

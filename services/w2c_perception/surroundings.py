@@ -26,7 +26,7 @@ NOISY = 3.0
 """... or so many standard deviations of noise"""
 MISSING_SHARE = 0.1
 """A ring of which a larger share is not the surface ends it"""
-ENDED_RINGS = 2
+ENDED_RINGS = 3
 """Rings in a row that see past the surface in one direction: it ends there, it is no hole"""
 
 

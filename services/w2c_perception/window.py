@@ -1,6 +1,6 @@
 """Pixels with depth around a pixel: which surface is meant, and how noisy its depth is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,8 @@ NOISE_WINDOW = 12
 """Half width of the window in which noise is measured [px]"""
 NOISE_SAMPLES = 30
 """Fewer second differences tell nothing of the noise"""
+NOISIEST = 8.0
+"""Times the usual noise, beyond which depth tells nothing"""
 SMALLEST_NOISE = 0.00015
 """No depth is better, whatever its noise: lenses and calibration bend it [m]"""
 USUAL_NOISE = (0.001, 0.0015)
@@ -51,7 +53,9 @@ class Seed:
     v: float
     """Where the answer will be [px]"""
     depth: float
-    """About [m]"""
+    """Measured at the anchor [m]"""
+    anchor: tuple[float, float]
+    """Centre of the nearest pixel of the surface that has depth [px]"""
     moved: float
     """How far from the pixel that was asked for [px]; 0 = it is that pixel"""
     behind: float
@@ -78,6 +82,9 @@ def noise(depth: Depth, u: float, v: float, depth_unit: float) -> float:
 
     From second differences along rows and columns, whose median does not see edges, slopes, or the
     curvature of anything that a hand can touch. Noise that neighbouring pixels share is not seen.
+
+    Raises:
+        RefusedError: depth that is nothing but noise.
     """
     column, row = int(u), int(v)
     top, left = max(0, row - NOISE_WINDOW), max(0, column - NOISE_WINDOW)
@@ -91,12 +98,19 @@ def noise(depth: Depth, u: float, v: float, depth_unit: float) -> float:
             bends.append((across[:-2] - 2.0 * across[1:-1] + across[2:])[all_three])
     found = np.concatenate(bends) if bends else np.zeros(0)
     smallest = max(SMALLEST_NOISE, depth_unit / np.sqrt(12.0))
+    near = z[known]
+    typical = float(np.median(near)) if len(near) else 1.0
+    usual = USUAL_NOISE[0] + USUAL_NOISE[1] * typical**2
     if len(found) < NOISE_SAMPLES:
-        near = z[known]
-        typical = float(np.median(near)) if len(near) else 1.0
-        return float(max(smallest, USUAL_NOISE[0] + USUAL_NOISE[1] * typical**2))
+        return float(max(smallest, usual))
     # The median of |x| of a normal x is 0.6745 deviations; x is the sum of noises 1, -2 and 1.
-    return float(max(smallest, np.median(np.abs(found)) / 0.6745 / np.sqrt(6.0)))
+    sigma = float(np.median(np.abs(found))) / 0.6745 / float(np.sqrt(6.0))
+    if sigma > NOISIEST * usual:
+        raise RefusedError(
+            f"depth around pixel ({column}, {row}) is noise of {1000 * sigma:.0f} mm, limit "
+            f"{1000 * NOISIEST * usual:.0f} mm at {typical:.1f} m; choose another surface"
+        )
+    return max(smallest, sigma)
 
 
 def find_seed(depth: Depth, u: float, v: float, focal: float, sigma: float) -> Seed:
@@ -115,10 +129,13 @@ def find_seed(depth: Depth, u: float, v: float, focal: float, sigma: float) -> S
     Raises:
         RefusedError: no depth there.
     """
-    for reach in (NEAR, FAR):
-        found = _Window(depth, u, v, reach, focal, sigma)
-        if found.enough() and (reach == NEAR or found.surrounded()):
-            return found.seed()
+    near, far = (_Window(depth, u, v, reach, focal, sigma) for reach in (NEAR, FAR))
+    if near.enough():
+        seed = near.seed()
+        # What else the pixel may show can be beyond the pixels that an edge has lost.
+        return replace(seed, behind=far.behind(seed.depth)) if seed.moved > 0.0 else seed
+    if far.enough() and far.surrounded():
+        return far.seed()
     raise RefusedError(
         f"no depth at pixel ({int(u)}, {int(v)}): sky, glass, an edge, or too far; choose a point "
         "on a surface"
@@ -156,20 +173,23 @@ class _Window:
         gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
         return bool(gaps.max() < np.pi)
 
+    def behind(self, depth: float) -> float:
+        """Return how far behind a depth the farthest other surface is [m]; 0 = there is none."""
+        others = np.delete(self._z, self._front)
+        return max(0.0, float(others.max()) - depth) if len(others) else 0.0
+
     def seed(self) -> Seed:
         """Return the pixel on the surface in front."""
         front = self._front
-        z = self._z[front]
-        behind = float(self._z.max() - np.median(z)) if len(front) < len(self._z) else 0.0
-        here = self._away[front] == 0.0
-        if here.any() or (not self._known and self.surrounded()):
-            # The pixel is on that surface, or in a hole of it.
-            depth = float(z[here][0]) if here.any() else float(np.median(z))
-            return Seed(self._u, self._v, depth, 0.0, 0.0 if here.any() else behind)
         nearest = int(front[np.argmin(self._away[front])])
+        depth = float(self._z[nearest])
         across, down = float(self._across[nearest]), float(self._down[nearest])
-        moved = float(np.hypot(across, down))
-        return Seed(self._u + across, self._v + down, float(self._z[nearest]), moved, behind)
+        anchor = (self._u + across, self._v + down)
+        if self._away[nearest] == 0.0:
+            return Seed(self._u, self._v, depth, anchor, 0.0, 0.0)
+        if not self._known and self.surrounded():  # a hole of that surface
+            return Seed(self._u, self._v, depth, anchor, 0.0, self.behind(depth))
+        return Seed(*anchor, depth, anchor, float(np.hypot(across, down)), self.behind(depth))
 
     def _surface_in_front(self, focal: float, sigma: float) -> npt.NDArray[np.intp]:
         """Return which pixels (n,) belong to the surface in front: nearest first, up to a jump."""

@@ -3,52 +3,22 @@
 import numpy as np
 import pytest
 
-from w2c.errors import RefusedError
-from w2c.geometry import Intrinsics, Matrix, Vector, transform, unit
-from w2c.messages import Array
-from w2c_perception.lift import lift
-from w2c_perception.patch import rays
-from w2c_perception.window import Depth
-
-WIDTH, HEIGHT = 320, 240
-CAMERA = Intrinsics(300.0, 300.0, 160.0, 120.0)
-# Camera axes in the world: looks along +x and 45 degrees down; x right = -y, y down.
-DOWN = np.sqrt(0.5)
-WORLD_FROM_CAMERA: Matrix = transform(
-    np.column_stack([[0, -1, 0], [-DOWN, 0, -DOWN], [DOWN, 0, -DOWN]]), [0.0, 0.0, 1.6]
+from support.surfaces import (
+    CAMERA,
+    HEIGHT,
+    TABLE,
+    TABLE_HEIGHT,
+    WIDTH,
+    WORLD_FROM_CAMERA,
+    ball,
+    book,
+    depth_of,
+    in_world,
+    quantised,
 )
-
-
-def all_rays() -> Vector:
-    """Return the ray (h, w, 3) of every pixel, in the camera frame, z = 1."""
-    rows, columns = np.mgrid[0:HEIGHT, 0:WIDTH].astype(float)
-    return rays(CAMERA, columns + 0.5, rows + 0.5)
-
-
-def depth_of(normal: Vector, point: Vector) -> Vector:
-    """Return the depth (h, w) of a plane given in the world; infinite where it is not seen."""
-    n = WORLD_FROM_CAMERA[:3, :3].T @ unit(normal)
-    offset = n @ (WORLD_FROM_CAMERA[:3, :3].T @ (np.asarray(point) - WORLD_FROM_CAMERA[:3, 3]))
-    along = all_rays() @ n
-    with np.errstate(divide="ignore"):
-        depth = offset / along
-    return np.where(depth > 0, depth, np.inf)
-
-
-def in_world(u: float, v: float, depth: float) -> Vector:
-    """Return the world point of a pixel at a depth."""
-    point = CAMERA.point_from_pixel(u, v, depth)
-    return WORLD_FROM_CAMERA[:3, :3] @ point + WORLD_FROM_CAMERA[:3, 3]
-
-
-def quantised(depth: Vector) -> Depth:
-    """Return depth as it comes off the wire."""
-    known = np.where(np.isfinite(depth) & (depth < 16.0), depth, 0.0)
-    return (np.rint(known / 0.00025) * 0.00025).astype(np.float32)
-
-
-TABLE_HEIGHT = 0.8
-TABLE = depth_of(np.array([0, 0, 1.0]), np.array([0, 0, TABLE_HEIGHT]))
+from w2c.errors import RefusedError
+from w2c.geometry import unit
+from w2c_perception.lift import lift
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.2, 0.5])
@@ -80,15 +50,6 @@ def test_noise_is_averaged_and_is_not_taken_for_roughness() -> None:
     assert error < 5e-4
     assert error < surface.error_bound
     assert surface.flatness < 4e-4
-
-
-def book(height: float = 0.04) -> tuple[Depth, Array]:
-    """Return depth of a box on the table, and which pixels show its top (h, w)."""
-    top = depth_of(np.array([0, 0, 1.0]), np.array([0, 0, TABLE_HEIGHT + height]))
-    points = all_rays() * np.where(np.isfinite(top), top, 0.0)[..., None]
-    world = points @ WORLD_FROM_CAMERA[:3, :3].T + WORLD_FROM_CAMERA[:3, 3]
-    inside = (np.abs(world[..., 0] - 0.8) < 0.12) & (np.abs(world[..., 1]) < 0.1)
-    return quantised(np.where(inside, top, TABLE)), inside
 
 
 def test_beyond_an_edge_the_other_surface_has_no_say() -> None:
@@ -173,12 +134,7 @@ def test_scattered_wrong_depths_do_not_matter() -> None:
 
 def test_a_curved_surface_is_touched_where_it_was_measured_and_called_curved() -> None:
     """A ball of 6 cm: the plane is its tangent, the point is on it, the bound admits the doubt."""
-    centre = np.array([0.0, 0.0, 1.0])
-    directions = all_rays()
-    a = (directions**2).sum(axis=-1)
-    b = directions @ centre
-    under_root = b**2 - a * (centre @ centre - 0.06**2)
-    depth = np.where(under_root > 0, (b - np.sqrt(np.maximum(under_root, 0))) / a, np.inf)
+    depth = ball(np.array([0.0, 0.0, 1.0]), 0.06)
 
     surface = lift(quantised(depth), CAMERA, WORLD_FROM_CAMERA, 160.0, 120.0)
 
