@@ -13,7 +13,6 @@ from w2c_sim_robot.camera.studio import Studio, jpeg
 from w2c_sim_robot.model import ready_configuration
 from w2c_sim_robot.scenes.scenario_a import scenario_a
 
-WARM_UP = 2
 NOD = 0.08
 """The head turns by up to this between two pictures, so that none is like the last [rad]"""
 
@@ -29,8 +28,8 @@ class Cost:
     """On the wire"""
 
 
-def measure(size: tuple[int, int], count: int, seed: int) -> list[Cost]:
-    """Draw and encode scene (a) `count` times a case, the cases in turn.
+def measure(size: tuple[int, int], count: int, seed: int, *, warm_up: int = 2) -> list[Cost]:
+    """Draw and encode scene (a) `count` times a case, the cases in turn, after a warm-up.
 
     `rgb`: colours as JPEG. `depth`: compressed depth. `rgbd`: both from one pass, what the stream
     sends. `rgbd_pretty`: the same with shadows and antialiasing.
@@ -47,7 +46,7 @@ def measure(size: tuple[int, int], count: int, seed: int) -> list[Cost]:
     costs = []
     try:
         ready = ready_configuration(studio.model)
-        for number in range(-WARM_UP, count):
+        for number in range(-warm_up, count):
             position = ready.copy()
             for joint in talos.HEAD:
                 position[studio.model.joint(joint).qposadr[0]] -= rng.uniform(0.0, NOD)

@@ -14,7 +14,7 @@ from support.waiting import wait_until
 from w2c import topics
 from w2c.bus.inprocess import InProcessBus, InProcessHub
 from w2c.clock import RealClock
-from w2c.errors import ConfigError, RefusedError
+from w2c.errors import ConfigError, RefusedError, W2CError
 from w2c.messages import Array, CaptureRequest, PictureRequest, Truth
 from w2c_sim_robot.camera.config import CameraConfig
 from w2c_sim_robot.camera.node import CameraNode
@@ -43,6 +43,8 @@ class Rig:
     camera: InProcessBus
     robot: InProcessBus
     operator: InProcessBus
+    scene: str
+    """Its file"""
     position: Array
     """(nq,) of the robot standing ready in the camera's scene"""
 
@@ -82,7 +84,7 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
     bus = hub.connect("camera")
     with running(CameraConfig(robot="test", scene=str(path), rate=30.0), bus):
         position = ready_configuration(build_model(scene))
-        yield Rig(bus, hub.connect("robot"), hub.connect("operator"), position)
+        yield Rig(bus, hub.connect("robot"), hub.connect("operator"), str(path), position)
 
 
 def test_before_the_robot_speaks_a_capture_is_refused_with_the_reason() -> None:
@@ -147,6 +149,50 @@ def test_a_robot_with_another_scene_is_counted_not_drawn(rig: Rig) -> None:
         rig.operator.call(topics.CAPTURE, CaptureRequest())
     rig.robot.publish(topics.TRUTH, truth(12_000_000, rig.position))
     assert frames.receive(20.0) is not None
+
+
+def test_a_camera_of_rate_0_draws_only_when_asked_in_the_size_it_was_given(rig: Rig) -> None:
+    hub = InProcessHub()
+    robot, operator = hub.connect("robot"), hub.connect("operator")
+    frames = operator.queue(topics.CAMERA_FRAME)
+    config = CameraConfig(
+        robot="test", scene=rig.scene, rate=0.0, width=320, height=180, jpeg_quality=60
+    )
+    with running(config, hub.connect("camera")):
+        robot.publish(topics.TRUTH, truth(4_000_000, rig.position))
+        assert frames.receive(0.3) is None
+
+        captured = operator.call(topics.CAPTURE, CaptureRequest()).message
+
+    assert decoded(captured.jpeg).shape == (180, 320, 3)
+    assert (captured.width, captured.height) == (320, 180)
+    assert captured.intrinsics[2:] == (160.0, 90.0)
+
+
+@pytest.mark.parametrize(
+    ("flags", "complaint"),
+    [
+        (["--width", "0", "--height", "0"], "width"),
+        (["--rate", "-1"], "rate"),
+        (["--jpeg-quality", "101"], "jpeg"),
+    ],
+)
+def test_a_camera_of_0x0_is_refused_before_anything_starts(
+    flags: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from w2c_sim_robot.camera.__main__ import main
+
+    try:
+        status = main(["--robot", "test", *flags])
+    except SystemExit as stopped:
+        status = int(str(stopped.code))
+    assert status == 2
+    assert complaint in capsys.readouterr().err
+
+
+def test_a_picture_of_0x0_is_refused_with_the_limit(rig: Rig) -> None:
+    with pytest.raises(W2CError, match=r"(?i)width|16"):
+        rig.operator.call(topics.PICTURE, PictureRequest(view="side", width=0, height=0))
 
 
 def test_a_missing_scene_file_stops_the_camera_before_it_starts(tmp_path: Path) -> None:

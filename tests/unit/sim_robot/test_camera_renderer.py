@@ -12,6 +12,8 @@ from w2c.errors import ConfigError
 from w2c.geometry import Intrinsics
 from w2c.messages import Array, PictureRequest
 from w2c_sim_robot.camera import gl
+from w2c_sim_robot.camera.measure import measure
+from w2c_sim_robot.camera.renderer import Renderer
 from w2c_sim_robot.camera.studio import Studio
 from w2c_sim_robot.model import HEAD_CAMERA, HEAD_SHELL_GROUP, ready_configuration
 from w2c_sim_robot.scenes.scenario_a import scenario_a
@@ -125,6 +127,39 @@ def test_another_scene_than_the_robots_is_noticed(studio: Studio) -> None:
 def test_a_picture_larger_than_the_renderer_is_refused(studio: Studio) -> None:
     with pytest.raises(ConfigError, match="4000x100"):
         studio.renderer.draw(studio.data, HEAD_CAMERA, size=(4000, 100))
+
+
+@pytest.mark.parametrize("size", [(0, 0), (16, 0), (-4, 16)])
+def test_a_picture_without_pixels_is_refused(studio: Studio, size: tuple[int, int]) -> None:
+    with pytest.raises(ConfigError, match=f"{size[0]}x{size[1]} px; ask for 1x1 px or more"):
+        studio.renderer.draw(studio.data, HEAD_CAMERA, size=size)
+    with pytest.raises(ConfigError, match=f"camera of {size[0]}x{size[1]} px"):
+        Renderer(studio.model, *size)
+
+
+def test_one_channel_alone_is_that_of_both(studio: Studio) -> None:
+    both = studio.shoot()
+    colours, depth = studio.shoot(depth=False), studio.shoot(colours=False)
+
+    assert np.array_equal(colours.rgb, both.rgb) and not colours.depth.size
+    assert np.array_equal(depth.depth, both.depth) and not depth.rgb.size
+    assert studio.frame(1, depth=False).depth == b""
+
+
+def test_a_survey_gives_depth_of_the_surface_that_it_names(studio: Studio) -> None:
+    geoms, depth = studio.renderer.survey(
+        studio.data, HEAD_CAMERA, size=(320, 180), hidden_groups=(HEAD_SHELL_GROUP,)
+    )
+
+    assert (depth[geoms >= 0] > 0.1).all()
+
+
+def test_costs_of_a_picture_are_measured_case_by_case() -> None:
+    costs = measure((64, 64), count=1, seed=0, warm_up=0)
+
+    assert [cost.case for cost in costs] == ["rgb", "depth", "rgbd", "rgbd_pretty"]
+    assert all(cost.cpu_ms > 0 and cost.bytes > 100 for cost in costs)
+    assert costs[2].bytes > costs[0].bytes
 
 
 def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
