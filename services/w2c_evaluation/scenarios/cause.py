@@ -46,12 +46,12 @@ def find_cause(prompt: Prompt, run: PromptRun, *, right_place: bool) -> Cause:
         moved = run.motion
         as_meant = moved is None or (moved.effector, moved.task) == meant
         return "control" if as_meant else "words"
-    found = (_cause_of(turn, prompt.meaning) for turn in run.turns)
+    found = (cause_of_turn(turn, prompt.meaning) for turn in run.turns)
     return next((cause for cause in found if cause is not None), "operator")
 
 
-def _cause_of(turn: Understood, meaning: Meaning) -> Cause | None:
-    """Return what of a turn was answered wrongly; None where all was right."""
+def cause_of_turn(turn: Understood, meaning: Meaning) -> Cause | None:
+    """Return what of a turn was answered wrongly, whether it mattered or not; None = nothing."""
     if words_are_wrong(turn, meaning):
         return "words"
     if vision_is_wrong(turn, meaning):

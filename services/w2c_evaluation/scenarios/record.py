@@ -112,6 +112,8 @@ class RunResult(msgspec.Struct, frozen=True, kw_only=True):
     support_force_n: tuple[float, ...] = ()
     """5th percentile, median, and 95th while the other hand reached"""
     turns: tuple[tuple[Understood, ...], ...] = ()
+    wrong_turns: dict[str, int] = {}
+    """Cause -> turns that were answered wrongly from it, also those that were made good"""
     recording: str = ""
     """Kept for failures"""
     images: str = ""

@@ -12,6 +12,7 @@ from w2c_evaluation.scenarios.record import CAUSES, RunResult
 
 ALL = "all"
 Z_95 = 1.96
+TURN_CAUSES = ("words", "vision", "geometry")
 
 
 def wilson(successes: int, trials: int) -> tuple[float, float]:
@@ -51,6 +52,10 @@ def make_rows(results: Sequence[RunResult]) -> list[dict[str, Any]]:
         rows.append(row(case, "support_force", forces, "N"))
         seconds = [t.seconds for run in runs for turns in run.turns for t in turns]
         rows.append(row(case, "say_to_answer", seconds, "s"))
+        turns = _count_turns(runs)
+        for cause in TURN_CAUSES:
+            wrong = sum(run.wrong_turns.get(cause, 0) for run in runs)
+            rows.append(row(case, f"turns_wrong_{cause}", [float(wrong)], "count", n=turns))
     return rows
 
 
@@ -65,8 +70,9 @@ def format_table(results: Sequence[RunResult]) -> str:
     """Return a Markdown table of the scenarios, and a list of the failures."""
     lines = [
         "| scenario | succeeded | rate, 95 % interval | falls | unconfirmed motions | "
-        "corrections | hand error [mm] | support [N] | failures |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "corrections | hand error [mm] | support [N] | failures | "
+        "turns answered wrongly: words, vision, geometry |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for case, runs in by_case(results).items():
         good = sum(run.succeeded for run in runs)
@@ -76,10 +82,12 @@ def format_table(results: Sequence[RunResult]) -> str:
         corrections = [count for run in runs for count in run.corrections]
         errors = [error for run in runs if run.succeeded for error in run.hand_errors_mm]
         forces = [run.support_force_n[1] for run in runs if run.support_force_n]
+        wrong = [str(sum(r.wrong_turns.get(cause, 0) for r in runs)) for cause in TURN_CAUSES]
         lines.append(
             f"| {case} | {good} of {len(runs)} | {good / len(runs):.2f} [{low:.2f}, {high:.2f}] | "
             f"{sum(run.fell for run in runs)} | {sum(run.unconfirmed_motions for run in runs)} | "
-            f"{_mean(corrections)} | {_median(errors)} | {_median(forces)} | {failures} |"
+            f"{_mean(corrections)} | {_median(errors)} | {_median(forces)} | {failures} | "
+            f"{', '.join(wrong)} of {_count_turns(runs)} |"
         )
     failed = [run for run in results if not run.succeeded]
     if failed:
@@ -101,6 +109,10 @@ def describe(result: RunResult) -> str:
         errors = ", ".join(f"{error:.0f}" for error in result.hand_errors_mm)
         return f"{head}succeeded, hands within {errors} mm{tail}"
     return f"{head}failed from {result.cause}: {'; '.join(result.problems)}{tail}"
+
+
+def _count_turns(runs: Sequence[RunResult]) -> int:
+    return sum(len(turns) for run in runs for turns in run.turns)
 
 
 def _mean(values: Sequence[float]) -> str:

@@ -3,6 +3,8 @@
 import logging
 import shutil
 import time
+from collections import Counter
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +20,7 @@ from w2c.library import library
 from w2c.messages import Empty
 from w2c.system import SystemFile
 from w2c_evaluation.demo.system import running_system
-from w2c_evaluation.scenarios.cause import find_cause
+from w2c_evaluation.scenarios.cause import cause_of_turn, find_cause
 from w2c_evaluation.scenarios.conversation import Conversation
 from w2c_evaluation.scenarios.experiments import Experiment
 from w2c_evaluation.scenarios.eyewitness import TruthLog
@@ -94,7 +96,19 @@ def conclude(scenario: Scenario, seed: int, played: Played, verdict: Verdict | N
         hand_errors_mm=_millimetres(() if verdict is None else verdict.hand_errors_m),
         support_force_n=() if verdict is None else verdict.support_n,
         turns=tuple(tuple(run.turns) for run in played.prompts),
+        wrong_turns=count_wrong_turns(scenario, played.prompts),
     )
+
+
+def count_wrong_turns(scenario: Scenario, runs: Sequence[PromptRun]) -> dict[str, int]:
+    """Return how many turns were answered wrongly, by cause."""
+    causes = Counter(
+        cause
+        for prompt, run in zip(scenario.prompts, runs, strict=False)
+        for turn in run.turns
+        if (cause := cause_of_turn(turn, prompt.meaning)) is not None
+    )
+    return {str(cause): count for cause, count in causes.items()}
 
 
 def _cause(scenario: Scenario, played: Played, verdict: Verdict | None) -> str:

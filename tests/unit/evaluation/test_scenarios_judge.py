@@ -84,11 +84,13 @@ YES = {"kind": "yes", "module": "confirmation"}
 def played() -> Played:
     lean = Motion("g1", "right_hand", "contact", 5 * 10**9, "loaded", "", 11 * 10**9, 13 * 10**9)
     reach = Motion("g2", "left_hand", "reach", 15 * 10**9, "reached", "", 22 * 10**9, 25 * 10**9)
-    cup = turn("reach", phrases=("cup",), point=(1.1, 0.2, 0.86), true_owner="cup")
+    there = (1.1, 0.2, 0.86)
+    at_cup = {"point": there, "true_point": there, "true_owner": "cup"}
+    cup = turn("reach", phrases=("cup",), **at_cup)
     return Played(
         [
             PromptRun([turn("place"), turn("yes", **YES)], BOOK, lean),
-            PromptRun([cup, turn("yes", **{**YES, "point": None})], CUP, reach),
+            PromptRun([cup, turn("yes", **YES, **at_cup)], CUP, reach),
         ],
         ["g1", "g2"],
     )
@@ -293,6 +295,15 @@ def test_a_target_that_was_never_confirmed_is_at_no_place() -> None:
     assert conclude(SCENARIO, 0, mute, found).cause == "operator"
 
 
+def test_wrong_answers_are_counted_also_where_they_were_made_good() -> None:
+    made_good = played()
+    made_good.prompts[0].turns.insert(1, turn("a bit up", kind="correction", module="none"))
+    result = conclude(SCENARIO, 0, made_good, verdict(what=made_good))
+    assert result.succeeded
+    assert result.wrong_turns == {"words": 1}
+    assert "1, 0, 0 of 5 |" in format_table([result])
+
+
 def test_a_hidden_place_is_the_scene() -> None:
     assert find_cause(BOOK_PROMPT, PromptRun(), right_place=False) == "scene"
 
@@ -320,6 +331,7 @@ def test_rows_and_table_count_everything() -> None:
         assert rows[case, "falls"]["value"] == 0.0
         assert rows[case, "unconfirmed_motions"]["value"] == 0.0
         assert rows[case, "failed_system"]["value"] == 1.0
+        assert rows[case, "turns_wrong_words"]["n"] == 4
     table = format_table([good, bad])
     assert "| a | 1 of 2 | 0.50 [0.09, 0.91] |" in table
     assert "| a, seed 1 | system | a / b | none |" in table
