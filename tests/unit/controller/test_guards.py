@@ -79,6 +79,14 @@ def test_a_reading_that_is_no_number_is_named(
     assert found[0].subject.startswith(subject)
 
 
+def test_the_first_state_is_looked_at_whatever_its_tick(bench: Bench) -> None:
+    readings = bench.with_value(bench.state.position, 0, np.nan)
+    state = msgspec.structs.replace(bench.state, tick=SENSE_EVERY + 1, position=readings)
+    assert bench.guards.inspect(state) == ()
+    (found,) = bench.guards.inspect(state, first=True)
+    assert found.cause == "sensor_not_finite"
+
+
 @pytest.mark.parametrize(
     ("cause", "field", "time", "over"),
     [
@@ -112,29 +120,61 @@ def test_a_limit_is_exceeded_only_after_a_while(
     assert found[0].value == pytest.approx(limit + sign * over)
 
 
-def test_a_joint_that_does_not_follow_its_command_is_named(bench: Bench) -> None:
-    command = bench.with_value(bench.state.command, 4, bench.state.command[4] + 0.21)
+def test_spikes_that_come_again_and_again_are_no_fault(bench: Bench) -> None:
+    rest = bench.state.velocity
+    spike = bench.with_value(rest, 5, bench.joints.velocity[5] + 0.1)
+    for _ in range(10):
+        assert bench.look(SENSE_EVERY, velocity=spike) == []
+        assert bench.look(SENSE_EVERY, velocity=rest) == []
+
+
+@pytest.mark.parametrize("way", [0.21, -0.21])
+def test_a_joint_that_does_not_follow_its_command_is_named(bench: Bench, way: float) -> None:
+    command = bench.with_value(bench.state.command, 4, bench.state.command[4] + way)
     assert bench.look(bench.ticks(LIMITS.following_time) // 2, command=command) == []
     found = bench.look(bench.ticks(LIMITS.following_time), command=command)
     assert {hazard.cause for hazard in found} == {"not_following"}
     assert found[0].subject == bench.names[4]
 
 
+@pytest.mark.parametrize("way", [0.002, -0.002])
 def test_readings_that_stay_the_same_bit_by_bit_while_the_command_moves_are_frozen(
-    bench: Bench,
+    bench: Bench, way: float
 ) -> None:
     torque = bench.state.torque.copy()
     assert bench.look(500, torque=torque) == [], "standing still is no fault"
-    moved = bench.with_value(bench.state.command, 0, bench.state.command[0] + 0.002)
+    moved = bench.with_value(bench.state.command, 0, bench.state.command[0] + way)
     found = bench.look(bench.ticks(LIMITS.frozen_time), torque=torque, command=moved)
     assert {hazard.cause for hazard in found} == {"sensor_frozen"}
     assert bench.look(100, command=moved) == [], "one reading that changes is enough"
 
 
+def test_frozen_readings_are_found_a_tenth_of_a_second_after_their_last_change(
+    bench: Bench,
+) -> None:
+    bench.look(SENSE_EVERY)
+    torque = bench.state.torque.copy()
+    moved = bench.with_value(bench.state.command, 0, bench.state.command[0] + 0.002)
+    found = bench.look(
+        bench.ticks(LIMITS.frozen_time) + 2 * SENSE_EVERY, torque=torque, command=moved
+    )
+    assert {hazard.cause for hazard in found} == {"sensor_frozen"}
+
+
 def test_a_short_standstill_of_the_readings_is_no_fault(bench: Bench) -> None:
+    bench.look(SENSE_EVERY)
     torque = bench.state.torque.copy()
     moved = bench.with_value(bench.state.command, 0, bench.state.command[0] + 0.002)
     assert bench.look(bench.ticks(LIMITS.frozen_time) // 2, torque=torque, command=moved) == []
+
+
+def test_standstills_with_a_change_between_them_are_no_fault(bench: Bench) -> None:
+    command, half = bench.state.command, bench.ticks(LIMITS.frozen_time) // 2
+    for times in range(1, 5):
+        moved = bench.with_value(command, 0, command[0] + 0.002 * times)
+        torque = bench.state.torque.copy()
+        assert bench.look(half, torque=torque, command=moved) == []
+        assert bench.look(SENSE_EVERY, command=moved) == []
 
 
 def test_a_driver_that_takes_no_command_is_noticed(bench: Bench) -> None:
@@ -177,19 +217,28 @@ def test_a_command_must_be_finite(bench: Bench, value: float) -> None:
     assert hazard.cause == "command_not_finite"
 
 
-def test_a_hand_may_bear_much_for_a_moment_only(bench: Bench) -> None:
-    measured = Measured(
-        feet=np.zeros((2, 6)), hands=np.array([[0.0, 0.0, 0.0], [0.0, 180.0, 180.0]])
-    )
+@pytest.mark.parametrize("hand", [0, 1])
+@pytest.mark.parametrize("force", [(180.0, 180.0, 0.0), (0.0, -180.0, 180.0), (180.0, 0.0, -180.0)])
+def test_a_hand_may_bear_much_for_a_moment_only(
+    bench: Bench, hand: int, force: tuple[float, float, float]
+) -> None:
     light = Measured(feet=np.zeros((2, 6)), hands=np.zeros((2, 3)))
+    heavy = Measured(feet=np.zeros((2, 6)), hands=np.zeros((2, 3)))
+    heavy.hands[hand] = force
     guards, step = bench.guards, LIMITS.hand_time / 2
-    assert guards.inspect_loads(measured, step) is None
+    assert guards.inspect_loads(heavy, step) is None
     assert guards.inspect_loads(light, step) is None
-    assert guards.inspect_loads(measured, step) is None
-    hazard = guards.inspect_loads(measured, step)
+    assert guards.inspect_loads(heavy, step) is None
+    hazard = guards.inspect_loads(heavy, step)
     assert hazard is not None
     assert hazard.cause == "hand_overload"
-    assert hazard.subject == "right_hand"
+    assert hazard.subject == ("left_hand", "right_hand")[hand]
+    assert hazard.value == pytest.approx(np.linalg.norm(force))
+
+
+def test_a_load_that_is_not_known_is_no_overload(bench: Bench) -> None:
+    unknown = Measured(feet=np.zeros((2, 6)), hands=np.full((2, 3), np.nan))
+    assert bench.guards.inspect_loads(unknown, 2.0 * LIMITS.hand_time) is None
 
 
 def test_many_programs_in_a_row_without_solution_are_a_fault(bench: Bench) -> None:
