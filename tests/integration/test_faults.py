@@ -67,7 +67,7 @@ def kill(bus: ZenohBus, *names: str) -> None:
             for name in names
         )
 
-    wait_until(back, 90)
+    wait_until(back, 90 * len(names))
 
 
 @pytest.mark.parametrize("names", [*TOGETHER, *((name,) for name in ALONE)], ids="-".join)
