@@ -38,6 +38,6 @@ class DialogueConfig(ServiceConfig, frozen=True, kw_only=True):
     """Point only where a hand may go and gets to: heatmaps are masked by flat, large enough, not
     too steep and not vetoed, and a few points are tried for reach. Off: advice comes afterwards."""
     pointing_budget: Annotated[float, msgspec.Meta(gt=0, le=10)] = 0.5
-    """With masked pointing: no further point is tried after so long [s]."""
+    """With masked pointing: no second, third ... point is tried for reach after so long [s]."""
     goal_silence: Annotated[float, msgspec.Meta(gt=0)] = 5.0
     """A goal the controller's status has not named for so long is given up [s]."""

@@ -46,7 +46,7 @@ class MaskedPointing:
             limbs: Knows which limb an instruction means.
             publish: Shows the allowed area to the operator.
             clock: Of this process.
-            budget_s: After so long no further point is tried [s].
+            budget_s: After so long no second, third ... point is tried [s].
         """
         self._guard = guard
         self._limbs = limbs
@@ -58,7 +58,6 @@ class MaskedPointing:
         self, seen: PhraseEvidence, frame: Frame, instruction: str, services: Services
     ) -> Pointed:
         """Return where on a thing that was found a hand may go."""
-        start_ns = self._clock.now_ns()
         try:
             area = services.allowed(frame.stamp_ns)
             area = self._guard.forbid(area, frame)
@@ -72,7 +71,7 @@ class MaskedPointing:
                 f"Nothing on '{seen.phrase}' is allowed: {why_not(seen, area)}. This is the point "
                 "I would take without that; confirm it only if you mean it.",
             )
-        return self._first_reachable(found, seen.phrase, frame, instruction, services, start_ns)
+        return self._first_reachable(found, seen.phrase, frame, instruction, services)
 
     def _first_reachable(
         self,
@@ -81,14 +80,15 @@ class MaskedPointing:
         frame: Frame,
         instruction: str,
         services: Services,
-        start_ns: int,
     ) -> Pointed:
+        start_ns = self._clock.now_ns()
         best = found[0].pixel
         try:
             limb, task = self._limbs.hear(instruction, services)
             reason = ""
             for candidate in found:
-                if (self._clock.now_ns() - start_ns) * 1e-9 > self._budget_s:
+                late = (self._clock.now_ns() - start_ns) * 1e-9 > self._budget_s
+                if late and candidate is not found[0]:
                     return Pointed(best, "I ran out of time to find a point within reach.")
                 reason = self._obstacle(candidate, frame, limb, task, services)
                 if not reason:

@@ -10,6 +10,7 @@ from w2c.errors import DeadlineError, RefusedError, UnavailableError
 from w2c.messages import AllowedArea, Box, PhraseEvidence, PlaceGoal, PreviewReply
 from w2c_dialogue.advice.mask import VETO, candidates, resampled, why_not, with_veto
 from w2c_dialogue.advice.pointing import MaskedPointing
+from w2c_dialogue.prompts.base import Question
 
 WIDTH, HEIGHT = 1280, 720
 
@@ -220,6 +221,21 @@ def test_time_ends_the_search_and_it_is_said() -> None:
     turn = world.say(FIRST)
     assert len(world.controller.previewed) == 2
     assert "ran out of time" in turn.reply
+
+
+def test_one_point_is_tried_however_long_words_and_area_took() -> None:
+    world = Masked(**first_words())
+    ask = world.model.complete
+
+    def slow(question: Question) -> object:
+        world.clock.set(world.clock.now_ns() + 5_000_000_000)
+        return ask(question)
+
+    world.model.complete = slow  # type: ignore[method-assign]
+    turn = world.say(FIRST)
+    assert len(world.controller.previewed) == 1
+    assert turn.target is not None
+    assert turn.target.warning == ""
 
 
 @pytest.mark.parametrize("error", [UnavailableError("gone"), DeadlineError("late")])
