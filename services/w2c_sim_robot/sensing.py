@@ -76,7 +76,7 @@ class IdealSensors:
         ]
         for sensor in (self._left, self._right, self._wrist):
             places += sensor.places(data)
-        self._gather = Gather(places)
+        self._gather = Gather(data, places)
         self._wrenches = channels.wrenches
         self._width = channels.width
 
@@ -101,8 +101,9 @@ class Gather:
     of what would be a dozen. They stay where they are as long as the data lives.
     """
 
-    def __init__(self, places: Iterable[tuple[Array, Sequence[int]]]) -> None:
-        """Take arrays of MjData, each with the indices of what is wanted of it when flat."""
+    def __init__(self, data: mujoco.MjData, places: Iterable[tuple[Array, Sequence[int]]]) -> None:
+        """Take arrays of some data, each with the indices of what is wanted of it when flat."""
+        self._data = data  # its arrays do not keep it alive
         places = list(places)
         begin = min(_address(array) for array, _ in places)
         end = max(_address(array) + array.nbytes for array, _ in places)

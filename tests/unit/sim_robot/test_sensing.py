@@ -32,7 +32,9 @@ def moving(model: mujoco.MjModel) -> mujoco.MjData:
 def test_gathering_finds_numbers_of_many_arrays_and_follows_them(
     model: mujoco.MjModel, moving: mujoco.MjData
 ) -> None:
-    gather = Gather([(moving.qvel, [3, 1]), (moving.xmat, [10]), (moving.qpos, range(2, 4))])
+    gather = Gather(
+        moving, [(moving.qvel, [3, 1]), (moving.xmat, [10]), (moving.qpos, range(2, 4))]
+    )
     assert gather.read().tolist() == [
         *moving.qvel[[3, 1]].tolist(),
         float(moving.xmat.reshape(-1)[10]),
@@ -99,7 +101,9 @@ def test_an_unknown_mass_is_felt_at_the_frame(model: mujoco.MjModel, moving: muj
         sensor = ForceTorqueSensor(
             model, "left_wrist", talos.WRIST_SENSOR_LINK, talos.HAND_FRAMES[0], unknown=mass
         )
-        wrenches.append(np.array(sensor.wrench(Gather(sensor.places(moving)).read().tolist())))
+        wrenches.append(
+            np.array(sensor.wrench(Gather(moving, sensor.places(moving)).read().tolist()))
+        )
     hand = moving.body(talos.HAND_FRAMES[0]).xmat.reshape(3, 3)
     change = wrenches[1] - wrenches[0]
     assert hand @ change[:3] == pytest.approx([0.0, 0.0, -2.0 * 9.81])
