@@ -102,7 +102,7 @@ def noise(depth: Depth, u: float, v: float, depth_unit: float) -> float:
     typical = float(np.median(near)) if len(near) else 1.0
     usual = USUAL_NOISE[0] + USUAL_NOISE[1] * typical**2
     if len(found) < NOISE_SAMPLES:
-        return float(max(smallest, usual))
+        return max(float(smallest), usual)
     # The median of |x| of a normal x is 0.6745 deviations; x is the sum of noises 1, -2 and 1.
     sigma = float(np.median(np.abs(found))) / 0.6745 / float(np.sqrt(6.0))
     if sigma > NOISIEST * usual:
@@ -110,7 +110,7 @@ def noise(depth: Depth, u: float, v: float, depth_unit: float) -> float:
             f"depth around pixel ({column}, {row}) is noise of {1000 * sigma:.0f} mm, limit "
             f"{1000 * NOISIEST * usual:.0f} mm at {typical:.1f} m; choose another surface"
         )
-    return max(smallest, sigma)
+    return max(float(smallest), sigma)
 
 
 def find_seed(depth: Depth, u: float, v: float, focal: float, sigma: float) -> Seed:

@@ -1,6 +1,7 @@
-"""Where a hand may go in a whole picture: on a table, not at its edge, on a step, a slope, an arm."""
+"""Where a hand may go in a picture: on a table; not at an edge, a step, a slope, an arm."""
 
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,14 +34,14 @@ from w2c_perception.fitness import Demands
 NO_ARMS = np.zeros((0, 2, 3))
 
 
-def cells(depth: np.ndarray, **options: object) -> np.ndarray:
+def cells(depth: np.ndarray, **options: Any) -> np.ndarray:
     arms = options.pop("arms", NO_ARMS)
     return allowed_cells(
         depth.astype(np.float32),
         CAMERA,
         WORLD_FROM_CAMERA,
         arms,
-        **options,  # type: ignore[arg-type]
+        **options,
     )
 
 
@@ -113,7 +114,7 @@ def test_what_was_not_seen_is_not_allowed() -> None:
 def test_the_robots_own_arm_is_not_allowed() -> None:
     points = all_rays()[120, 160] * TABLE[120, 160]
     middle = WORLD_FROM_CAMERA[:3, :3] @ points + WORLD_FROM_CAMERA[:3, 3]
-    arm = np.array([[middle - [0.0, 0.3, 0.0], middle + [0.0, 0.0, 0.05]]])
+    arm = np.array([[middle - np.array([0.0, 0.3, 0.0]), middle + np.array([0.0, 0.0, 0.05])]])
 
     codes = cells(quantised(TABLE), arms=arm)
 

@@ -1,4 +1,4 @@
-"""Coloured points: where they are, which colours, how many; and the PLY file that a viewer reads."""
+"""Coloured points: where they are, their colours, how many; and the PLY file of them."""
 
 import cv2
 import numpy as np

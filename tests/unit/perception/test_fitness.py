@@ -1,5 +1,8 @@
 """Verdicts on a surface: each limit from both sides, and words that an operator understands."""
 
+from dataclasses import replace
+from typing import Any
+
 import msgspec
 import numpy as np
 import pytest
@@ -8,13 +11,12 @@ from w2c.errors import ConfigError, GeometryError
 from w2c_perception.fitness import Demands, Shape, is_fit, judge
 
 UP = np.array([0.0, 0.0, 1.0])
-TABLE = {
-    "normal": UP,
-    "error_bound": 0.002,
-    "flatness": 0.001,
-    "extent": 0.2,
-    "edge_distance": 0.25,
-}
+TABLE = Shape(UP, error_bound=0.002, flatness=0.001, extent=0.2, edge_distance=0.25)
+
+
+def table(**changes: Any) -> Shape:
+    """Return a table that differs in something."""
+    return replace(TABLE, **changes)
 
 
 def tilted(degrees: float) -> np.ndarray:
@@ -22,7 +24,7 @@ def tilted(degrees: float) -> np.ndarray:
 
 
 def test_a_table_is_fit_and_every_check_says_why() -> None:
-    verdicts = judge(Shape(**TABLE), Demands())
+    verdicts = judge(TABLE, Demands())
 
     assert is_fit(verdicts)
     assert [verdict.check for verdict in verdicts] == ["known", "flat", "large", "edge", "slope"]
@@ -42,8 +44,8 @@ def test_a_table_is_fit_and_every_check_says_why() -> None:
 def test_each_limit_decides_one_check(
     check: str, field: str, fit: object, unfit: object, words: str
 ) -> None:
-    passed = judge(Shape(**{**TABLE, field: fit}), Demands())
-    failed = judge(Shape(**{**TABLE, field: unfit}), Demands())
+    passed = judge(table(**{field: fit}), Demands())
+    failed = judge(table(**{field: unfit}), Demands())
 
     assert is_fit(passed)
     assert [verdict.check for verdict in failed if not verdict.fit] == [check]
@@ -51,21 +53,21 @@ def test_each_limit_decides_one_check(
 
 
 def test_a_wall_carries_no_weight_but_a_push() -> None:
-    wall = Shape(**{**TABLE, "normal": np.array([-1.0, 0.0, 0.0])})
+    wall = table(normal=np.array([-1.0, 0.0, 0.0]))
 
     assert not is_fit(judge(wall, Demands()))
     assert is_fit(judge(wall, Demands(), load=np.array([1.0, 0.0, 0.0])))
 
 
 def test_the_underside_of_a_table_carries_nothing() -> None:
-    verdicts = judge(Shape(**{**TABLE, "normal": -UP}), Demands())
+    verdicts = judge(table(normal=-UP), Demands())
 
     assert "faces away from the load" in verdicts[-1].reason
     assert not is_fit(verdicts)
 
 
 def test_more_friction_holds_steeper_surfaces() -> None:
-    slope = Shape(**{**TABLE, "normal": tilted(40.0)})
+    slope = table(normal=tilted(40.0))
 
     assert not is_fit(judge(slope, Demands(friction=0.6)))
     assert is_fit(judge(slope, Demands(friction=0.9)))
@@ -80,10 +82,10 @@ def test_demands_that_are_none_are_refused(field: str, value: float) -> None:
 
 def test_a_load_without_direction_is_refused() -> None:
     with pytest.raises(GeometryError, match="no direction"):
-        judge(Shape(**TABLE), Demands(), load=np.zeros(3))
+        judge(TABLE, Demands(), load=np.zeros(3))
 
 
 def test_verdicts_are_plain_data() -> None:
-    verdict = judge(Shape(**TABLE), Demands())[0]
+    verdict = judge(TABLE, Demands())[0]
 
     assert msgspec.to_builtins(verdict)["limit"] == pytest.approx(0.02)

@@ -56,7 +56,7 @@ def test_any_plane_is_found_within_its_bound(
     error = abs(float((surface.point - anchor) @ normal))
     assert error <= surface.error_bound
     assert error <= 0.0005 + 0.5 * sigma
-    assert np.degrees(np.arccos(min(1.0, surface.normal @ normal))) <= 0.3 + 2500.0 * sigma
+    assert np.degrees(np.arccos(min(1.0, float(surface.normal @ normal)))) <= 0.3 + 2500.0 * sigma
     assert surface.flatness <= 0.0005 + 0.3 * sigma
 
 

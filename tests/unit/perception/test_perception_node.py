@@ -4,6 +4,8 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import cv2
+import msgspec
 import numpy as np
 import pytest
 
@@ -13,7 +15,16 @@ from w2c.bus.inprocess import InProcessBus, InProcessHub
 from w2c.clock import RealClock
 from w2c.depth import encode_depth
 from w2c.errors import RefusedError
-from w2c.messages import Array, CameraFrame, HeightFieldRequest, LiftRequest, RobotState
+from w2c.messages import (
+    AllowedAreaRequest,
+    Array,
+    CameraFrame,
+    CameraView,
+    HeightFieldRequest,
+    LiftRequest,
+    PointCloudRequest,
+    RobotState,
+)
 from w2c_perception.config import PerceptionConfig
 from w2c_perception.kinematics import CameraKinematics
 from w2c_perception.node import PerceptionNode
@@ -27,8 +38,11 @@ SIZE = (128, 72)
 FOCAL = 94.0
 
 
-def state(tick: int, position: Array) -> RobotState:
-    """Return a state of the robot with these joint angles."""
+BOTH_FEET = (450.0, 450.0)
+
+
+def state(tick: int, position: Array, forces: tuple[float, float] = BOTH_FEET) -> RobotState:
+    """Return a state of the robot with these joint angles and forces under its feet [N]."""
     n = len(position)
     return RobotState(
         stamp_ns=tick * TICK_NS,
@@ -36,7 +50,7 @@ def state(tick: int, position: Array) -> RobotState:
         position=position,
         velocity=np.zeros(n),
         torque=np.zeros(n),
-        sole_wrenches=np.tile([0, 0, 450.0, 0, 0, 0], (2, 1)),
+        sole_wrenches=np.array([[0, 0, force, 0, 0, 0] for force in forces]),
         left_wrist_wrench=np.zeros(6),
         imu_orientation=np.array([0, 0, 0, 1.0]),
         imu_angular_velocity=np.zeros(3),
@@ -70,7 +84,13 @@ class Rig:
     camera: InProcessBus
     operator: InProcessBus
 
-    def see(self, tick: int, picture: CameraFrame) -> None:
+    def see(
+        self,
+        tick: int,
+        picture: CameraFrame,
+        position: Array = READY,
+        forces: tuple[float, float] = BOTH_FEET,
+    ) -> CameraView:
         """Send states around a tick and a picture; return once perception has placed it."""
         views = self.operator.queue(topics.CAMERA_VIEW)
         done = threading.Event()
@@ -78,7 +98,7 @@ class Rig:
         def stream() -> None:
             number = tick - 10
             while not done.is_set():
-                self.robot.publish(topics.ROBOT_STATE, state(number, READY))
+                self.robot.publish(topics.ROBOT_STATE, state(number, position, forces))
                 number += 1
                 done.wait(0.002)
 
@@ -89,7 +109,16 @@ class Rig:
         done.set()
         thread.join()
         assert received is not None
-        assert received.message.stamp_ns == picture.stamp_ns
+        view: CameraView = received.message
+        assert view.stamp_ns == picture.stamp_ns
+        return view
+
+    def tell(self, ticks: range, forces: tuple[float, float]) -> None:
+        """Send states one by one, each once perception has had time to take the former."""
+        pause = threading.Event()
+        for tick in ticks:
+            self.robot.publish(topics.ROBOT_STATE, state(tick, READY, forces))
+            pause.wait(0.01)
 
 
 @pytest.fixture
@@ -210,3 +239,140 @@ def test_perception_waits_for_a_robot_that_is_not_there_yet() -> None:
     stop.set()
     thread.join(10.0)
     assert not thread.is_alive()
+
+
+def test_with_one_foot_in_the_air_the_world_stays_where_it_was(rig: Rig) -> None:
+    """The left leg is pulled up: midway between the soles is elsewhere now, the world is not."""
+    before = rig.see(1000, frame(1000 * TICK_NS))
+    lifted = READY.copy()
+    lifted[:6] += [0.0, 0.1, -0.3, 0.6, -0.3, 0.0]  # the left leg's joints come first
+
+    after = rig.see(2000, frame(2000 * TICK_NS), lifted, (0.0, 900.0))
+    naive = CameraKinematics(DESCRIPTION).camera_pose(lifted).world_from_camera
+
+    assert after.world_from_camera == pytest.approx(before.world_from_camera, abs=1e-6)
+    assert np.abs(naive - before.world_from_camera).max() > 0.02
+
+
+def test_a_robot_that_hangs_sees_nothing_until_it_stands_again(rig: Rig) -> None:
+    rig.see(1000, frame(1000 * TICK_NS))
+    rig.tell(range(2000, 2200, 5), (0.0, 0.0))
+    rig.camera.publish(topics.CAMERA_FRAME, frame(2190 * TICK_NS))
+    wait_until(lambda: rig.perception.counters.get("picture without joint angles") == 1)
+
+    rig.tell(range(2900, 2990, 5), BOTH_FEET)
+    rig.see(3000, frame(3000 * TICK_NS))
+
+    # What was seen before it was lifted has no place in the new world.
+    with pytest.raises(RefusedError, match="there are 1 from 6000000000"):
+        rig.operator.call(topics.LIFT, LiftRequest(u=1.0, v=1.0, frame_stamp_ns=1000 * TICK_NS))
+
+
+def test_a_pixel_of_a_picture_before_the_robot_started_anew_is_refused(rig: Rig) -> None:
+    """The stamp alone would be found: time begins at zero again."""
+    old = rig.see(1000, frame(1000 * TICK_NS))
+    rig.robot.boot_id = "another-boot"
+    new = rig.see(1000, frame(1000 * TICK_NS))
+    request = LiftRequest(
+        u=64.0, v=36.0, frame_stamp_ns=1000 * TICK_NS, robot_boot_id=old.robot_boot_id
+    )
+
+    assert new.robot_boot_id == "another-boot" != old.robot_boot_id
+    with pytest.raises(RefusedError, match="the robot started anew"):
+        rig.operator.call(topics.LIFT, request)
+    rig.operator.call(topics.LIFT, msgspec.structs.replace(request, robot_boot_id="another-boot"))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"frame": "camera_of_another_robot"},
+        {"intrinsics": (0.0, 94.0, 64.0, 36.0)},
+        {"intrinsics": (float("nan"), 94.0, 64.0, 36.0)},
+        {"depth_unit": 0.0},
+        {"depth_unit": float("inf")},
+    ],
+)
+def test_a_picture_of_another_camera_is_refused_and_counted(
+    rig: Rig, change: dict[str, object]
+) -> None:
+    rig.see(1000, frame(1000 * TICK_NS))
+
+    strange = msgspec.structs.replace(frame(1001 * TICK_NS), **change)
+    rig.camera.publish(topics.CAMERA_FRAME, strange)
+
+    wait_until(lambda: rig.perception.counters.get("picture refused") == 1)
+
+
+def test_a_state_without_numbers_is_dropped_and_counted(rig: Rig) -> None:
+    rig.see(1000, frame(1000 * TICK_NS))
+
+    broken = READY.copy()
+    broken[3] = np.nan
+    rig.robot.publish(topics.ROBOT_STATE, state(1200, broken))
+
+    wait_until(lambda: rig.perception.counters.get("state without joint angles") == 1)
+
+
+@pytest.mark.parametrize("pixel", [(-1.0, 0.0), (128.0, 0.0), (float("nan"), 0.0), (0.0, 1e30)])
+def test_a_pixel_that_is_not_in_the_picture_is_refused(
+    rig: Rig, pixel: tuple[float, float]
+) -> None:
+    rig.see(1000, frame(1000 * TICK_NS))
+
+    request = LiftRequest(u=pixel[0], v=pixel[1], frame_stamp_ns=1000 * TICK_NS)
+    with pytest.raises(RefusedError, match="outside of the picture, 128x72"):
+        rig.operator.call(topics.LIFT, request)
+
+
+@pytest.mark.parametrize("shape", [(72, 64), (144, 128)])
+def test_depth_of_another_size_is_refused(rig: Rig, shape: tuple[int, int]) -> None:
+    other = encode_depth(np.full(shape, 1.0, np.float32))
+    rig.see(1000, frame(1000 * TICK_NS, depth=other))
+
+    with pytest.raises(RefusedError, match="no usable depth"):
+        rig.operator.call(topics.LIFT, LiftRequest(u=9.0, v=9.0, frame_stamp_ns=1000 * TICK_NS))
+
+
+def test_the_bound_holds_what_biased_joints_would_do(rig: Rig) -> None:
+    rig.see(1000, frame(1000 * TICK_NS))
+
+    reply = rig.operator.call(
+        topics.LIFT, LiftRequest(u=64.0, v=36.0, frame_stamp_ns=1000 * TICK_NS)
+    ).message
+
+    pose = CameraKinematics(DESCRIPTION).camera_pose(READY)
+    of_joints = pose.error(reply.point, PerceptionConfig(robot="test").joint_error)
+    assert 0.001 < of_joints < reply.error_bound < of_joints + 0.002
+
+
+def test_points_come_with_colours_and_without_a_picture_they_are_refused(rig: Rig) -> None:
+    picture = np.full((SIZE[1], SIZE[0], 3), (0, 0, 250), np.uint8)
+    jpeg = cv2.imencode(".jpg", picture)[1].tobytes()
+    rig.see(1000, msgspec.structs.replace(frame(1000 * TICK_NS), jpeg=jpeg))
+    rig.see(1100, frame(1100 * TICK_NS))
+
+    cloud = rig.operator.call(
+        topics.POINT_CLOUD, PointCloudRequest(frame_stamp_ns=1000 * TICK_NS, voxel=0.02)
+    ).message
+
+    world_from_camera = CameraKinematics(DESCRIPTION).camera_pose(READY).world_from_camera
+    in_camera = (cloud.points - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]
+    assert len(cloud.points) > 200
+    assert in_camera[:, 2] == pytest.approx(np.ones(len(cloud.points)), abs=1e-3)
+    assert cloud.colours[:, 0].min() > 240
+    with pytest.raises(RefusedError, match="no usable colours"):
+        rig.operator.call(topics.POINT_CLOUD, PointCloudRequest(frame_stamp_ns=1100 * TICK_NS))
+
+
+def test_where_a_hand_may_go_is_told_with_reasons(rig: Rig) -> None:
+    rig.see(1000, frame(1000 * TICK_NS))
+
+    area = rig.operator.call(
+        topics.FIND_ALLOWED_AREA, AllowedAreaRequest(frame_stamp_ns=1000 * TICK_NS)
+    ).message
+
+    assert (area.width, area.height) == SIZE
+    assert "too steep" in area.reasons
+    # The picture shows a plane square to the camera, which looks down steeply: too steep.
+    assert area.reasons[int(area.cells[4, 8]) - 1] == "too steep"
