@@ -22,7 +22,7 @@ from w2c.messages import (
     Turn,
 )
 from w2c_evaluation.demo.operator import FINAL_STATES, ScenarioError
-from w2c_evaluation.scenarios.eyewitness import TruthLog, Wanted, circle_of, find_place
+from w2c_evaluation.scenarios.eyewitness import Wanted, circle_of, find_place
 from w2c_evaluation.scenarios.film import Film
 from w2c_evaluation.scenarios.phrase_book import PhraseBook
 from w2c_evaluation.scenarios.record import Motion, Played, PromptRun, Understood
@@ -31,6 +31,7 @@ from w2c_evaluation.scenarios.scripted_words import ScriptedWords
 from w2c_evaluation.scenarios.sight import Pixel, Sight
 from w2c_evaluation.scenarios.speaker import GiveUp, Speaker, Yes
 from w2c_evaluation.scenarios.true_boxes import see
+from w2c_evaluation.scenarios.truth_log import TruthLog
 from w2c_evaluation.scenarios.wording import Saying
 
 STAND_PATIENCE_S = 180.0

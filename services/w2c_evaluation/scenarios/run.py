@@ -23,14 +23,15 @@ from w2c_evaluation.demo.system import running_system
 from w2c_evaluation.scenarios.cause import cause_of_turn, find_cause
 from w2c_evaluation.scenarios.conversation import Conversation
 from w2c_evaluation.scenarios.experiments import Experiment
-from w2c_evaluation.scenarios.eyewitness import TruthLog
 from w2c_evaluation.scenarios.film import Film
-from w2c_evaluation.scenarios.judge import REACHED_M, Robot, Verdict, judge
+from w2c_evaluation.scenarios.hits import Robot
+from w2c_evaluation.scenarios.judge import REACHED_M, Verdict, judge
 from w2c_evaluation.scenarios.phrase_book import PhraseBook
 from w2c_evaluation.scenarios.record import Boxes, Played, PromptRun, RunResult, Words
 from w2c_evaluation.scenarios.scenario import Scenario
 from w2c_evaluation.scenarios.scripted_words import ScriptedWords
 from w2c_evaluation.scenarios.true_boxes import TrueGrounding
+from w2c_evaluation.scenarios.truth_log import TruthLog
 
 log = logging.getLogger("w2c.scenarios")
 

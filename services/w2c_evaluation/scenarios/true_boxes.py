@@ -16,9 +16,10 @@ from w2c import topics
 from w2c.bus import Bus, CallContext
 from w2c.errors import RefusedError
 from w2c.messages import Array, Box, GroundingReply, GroundingRequest, PhraseEvidence
-from w2c_evaluation.scenarios.eyewitness import TruthLog, Witness
+from w2c_evaluation.scenarios.eyewitness import Witness
 from w2c_evaluation.scenarios.phrase_book import PhraseBook
 from w2c_evaluation.scenarios.sight import Pixel
+from w2c_evaluation.scenarios.truth_log import TruthLog
 
 NAME = "truth"
 MOST_RAYS = 6000

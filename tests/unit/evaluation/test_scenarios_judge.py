@@ -9,11 +9,13 @@ from hypothesis import strategies as st
 
 from fakes.scenario_world import SCENARIO
 from w2c_evaluation.scenarios.cause import find_cause, overlap
-from w2c_evaluation.scenarios.eyewitness import Sample, Wanted
-from w2c_evaluation.scenarios.judge import Robot, Verdict, judge
+from w2c_evaluation.scenarios.eyewitness import Wanted
+from w2c_evaluation.scenarios.hits import Robot
+from w2c_evaluation.scenarios.judge import Verdict, judge
 from w2c_evaluation.scenarios.record import Motion, Played, PromptRun, Understood
 from w2c_evaluation.scenarios.report import format_table, make_rows, wilson
 from w2c_evaluation.scenarios.run import conclude
+from w2c_evaluation.scenarios.truth_log import Sample
 
 UP = np.array([0.0, 0.0, 1.0])
 BOOK = Wanted(np.array([0.5, -0.2, 0.84]), UP, "book")

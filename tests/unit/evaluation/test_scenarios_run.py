@@ -16,9 +16,9 @@ from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest, GroundingR
 from w2c_evaluation.scenarios import commands
 from w2c_evaluation.scenarios.conversation import Conversation
 from w2c_evaluation.scenarios.experiments import EXPERIMENTS, Experiment, find_experiment
-from w2c_evaluation.scenarios.eyewitness import TruthLog
 from w2c_evaluation.scenarios.film import Film, make_strip
-from w2c_evaluation.scenarios.judge import Robot, judge
+from w2c_evaluation.scenarios.hits import Robot
+from w2c_evaluation.scenarios.judge import judge
 from w2c_evaluation.scenarios.phrase_book import PhraseBook
 from w2c_evaluation.scenarios.record import Played, RunResult
 from w2c_evaluation.scenarios.run import RunOptions, conclude
@@ -26,6 +26,7 @@ from w2c_evaluation.scenarios.scenario import Scenario
 from w2c_evaluation.scenarios.scripted_words import ScriptedWords, find_span
 from w2c_evaluation.scenarios.speaker import Yes
 from w2c_evaluation.scenarios.true_boxes import TrueGrounding, see
+from w2c_evaluation.scenarios.truth_log import TruthLog
 from w2c_evaluation.scenarios.wording import Saying
 
 BOOK = PhraseBook({thing.name: thing.phrases() for thing in THINGS}, SCENARIO.phrases())
