@@ -85,7 +85,7 @@ def kept_survey(seed: int, count: int, directory: str) -> Survey:
     Raises:
         ConfigError: as `survey`, or the directory cannot be written.
     """
-    code = zlib.crc32(msgspec.json.encode(random_scene(seed)))
+    code = zlib.crc32(msgspec.json.encode(random_scene(seed), enc_hook=str))
     path = Path(directory) / f"{seed}-{count}-{code:08x}.npz"
     try:
         if path.exists():

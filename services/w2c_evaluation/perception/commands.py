@@ -18,7 +18,7 @@ class PerceptionBenchConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Random pixels of random scenes, lifted from noisy depth and angles, against the truth."""
 
     count: Annotated[int, msgspec.Meta(ge=1, le=100_000)] = 500
-    """Pixels in all."""
+    """Pixels in all, rounded up to whole scenes."""
     pixels: Annotated[int, msgspec.Meta(ge=1, le=1000)] = 20
     """Pixels of one scene."""
     seed: Annotated[int, msgspec.Meta(ge=0, le=99_999)] = 0
@@ -46,11 +46,7 @@ def bench(arguments: list[str] | None = None) -> int:
     results = {result.scene: result for result in file.start(resume=config.resume)}
     first = FIRST_SCENE + config.seed
     scenes = [first + number for number in range(-(-config.count // config.pixels))]
-    tasks = [
-        (scene, min(config.pixels, config.count - config.pixels * (scene - first)))
-        for scene in scenes
-        if scene not in results
-    ]
+    tasks = [(scene, config.pixels) for scene in scenes if scene not in results]
     errors = SensorErrors()
     for result in run_all(
         run_scene,
