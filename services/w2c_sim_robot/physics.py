@@ -221,7 +221,7 @@ class Simulator:
         return twist[3:] + np.cross(twist[:3], offset)
 
     def _has_fallen(self) -> bool:
-        return bool(self._qpos[self._base + 2] < LOWEST_BASE_M) or self._touch.by_body()
+        return self._qpos.item(self._base + 2) < LOWEST_BASE_M or self._touch.by_body()
 
 
 def _imperfection(
