@@ -94,7 +94,7 @@ def _report(config: ScenariosConfig, directory: Path, results: list[RunResult]) 
     for name, runs in by_case(results).items():
         shown = next((run for run in runs if run.succeeded), runs[0])
         if name in EXPERIMENTS:
-            make_strip(Path(shown.images), images / f"scenario_{name}.jpg")
+            make_strip(directory / shown.images, images / f"scenario_{name}.jpg")
     print(f"\n{tables}\nall of it: {directory}")
     good = sum(result.succeeded for result in results)
     clean = not any(result.fell or result.unconfirmed_motions for result in results)

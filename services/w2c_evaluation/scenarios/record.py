@@ -115,8 +115,8 @@ class RunResult(msgspec.Struct, frozen=True, kw_only=True):
     wrong_turns: dict[str, int] = {}
     """Cause -> turns that were answered wrongly from it, also those that were made good"""
     recording: str = ""
-    """Kept for failures"""
+    """Kept for failures; in the study's directory"""
     images: str = ""
-    """Directory of this run's pictures"""
+    """Directory of this run's pictures, in the study's"""
     seconds: float = 0.0
     """It took, on the wall"""

@@ -35,7 +35,7 @@ from w2c_evaluation.scenarios.truth_log import TruthLog
 
 log = logging.getLogger("w2c.scenarios")
 
-RECORDING = "session.mcap"
+RECORDING, PICTURES = "session.mcap", "pictures"
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,8 @@ def run_scenario(experiment: Experiment, seed: int, options: RunOptions) -> RunR
     return RunResult(
         **{name: getattr(result, name) for name in RunResult.__struct_fields__}
         | {
-            "recording": str(recording) if recording.exists() else "",
-            "images": str(options.directory / "pictures"),
+            "recording": f"{options.directory.name}/{RECORDING}" if recording.exists() else "",
+            "images": f"{options.directory.name}/{PICTURES}",
             "seconds": time.monotonic() - start,
         }
     )
@@ -141,7 +141,7 @@ def _play(
         if options.boxes == "truth":
             TrueGrounding(_connect(stack, system, "grounding"), truth, book)
         description = bus.call(topics.DESCRIBE, Empty(), timeout_s=20.0).message
-        film = Film(options.directory / "pictures")
+        film = Film(options.directory / PICTURES)
         rng = np.random.default_rng([seed, ord(scenario.name[0])])
         conversation = Conversation(bus, truth, book, film, rng=rng, words=words)
         try:
