@@ -22,7 +22,8 @@ from w2c.messages import (
     Target,
     Turn,
 )
-from w2c_dialogue.advice.advisor import Advisor, Checks
+from w2c_dialogue.advice.advisor import Advisor
+from w2c_dialogue.advice.checks import Checks
 from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.advice.pointing import MaskedPointing
 from w2c_dialogue.advice.veto import unknown_text

@@ -7,7 +7,8 @@ import pytest
 from support.conversing import BOOK, FIRST, World, first_words
 from w2c.errors import DeadlineError, ModelError, UnavailableError
 from w2c.messages import Advice, ConfirmRequest, FitnessVerdict, PointRequest, PreviewReply, Remark
-from w2c_dialogue.advice.advisor import Advisor, Checks
+from w2c_dialogue.advice.advisor import Advisor
+from w2c_dialogue.advice.checks import Checks
 from w2c_dialogue.conversation import Shown
 
 
