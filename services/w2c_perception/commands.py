@@ -49,7 +49,7 @@ def lift(arguments: list[str] | None = None) -> int:
 class CloudConfig(Connection, frozen=True, kw_only=True):
     """Write what stands in a box of the world as coloured points."""
 
-    file: Annotated[Path, tyro.conf.Positional]
+    file: Annotated[str, tyro.conf.Positional]
     """To write, in the PLY format."""
     stamp: int = -1
     """Of the picture [ns]; -1 = the newest."""
@@ -77,7 +77,7 @@ def cloud(arguments: list[str] | None = None) -> int:
         reply = bus.call(topics.POINT_CLOUD, request).message
     comment = f"robot {service.robot}, picture of {stamp} ns, metres in the world, z up"
     try:
-        config.file.write_bytes(encode_ply(reply.points, reply.colours, comment))
+        Path(config.file).write_bytes(encode_ply(reply.points, reply.colours, comment))
     except OSError as error:
         raise ConfigError(f"{config.file} cannot be written: {error}") from error
     print(f"{len(reply.points)} points of the picture of {stamp} ns in {config.file}")

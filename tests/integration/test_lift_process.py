@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -18,6 +19,7 @@ from w2c.config import ServiceConfig
 from w2c.errors import RefusedError
 from w2c.geometry import Intrinsics, inverse
 from w2c.messages import CameraView, LiftRequest
+from w2c_perception.commands import cloud
 from w2c_sim_robot.scenes.scenario_a import scenario_a
 from w2c_sim_robot.scenes.scene import save
 
@@ -38,8 +40,8 @@ def process(*command: str) -> Iterator[None]:
 
 
 @contextmanager
-def system(directory: Path) -> Iterator[Bus]:
-    """Yield an operator's bus to a standing robot that sees scenario (a)."""
+def system(directory: Path) -> Iterator[tuple[Bus, list[str]]]:
+    """Yield an operator's bus, and the flags of one, to a standing robot that sees scenario (a)."""
     config = ServiceConfig(robot="sees", router=free_endpoint(), robot_endpoint=free_endpoint())
     scene = directory / "scene.json"
     save(scenario_a(), scene)
@@ -52,17 +54,18 @@ def system(directory: Path) -> Iterator[Bus]:
         stack.enter_context(process("w2c_sim_robot", *flags, "--scene", str(scene)))
         stack.enter_context(process("w2c_sim_robot.camera", *flags, "--scene", str(scene)))
         stack.enter_context(process("w2c_perception", *flags))
-        yield stack.enter_context(connect(config, "operator", [config.router]))
+        bus = stack.enter_context(connect(config, "operator", [config.router]))
+        yield bus, ["--robot", config.robot, "--router", config.router]
 
 
 def test_the_middle_of_the_book_is_found_where_the_scene_has_it(tmp_path: Path) -> None:
-    with system(tmp_path) as bus:
+    with system(tmp_path) as (bus, flags):
         views = bus.latest(topics.CAMERA_VIEW)
         wait_until(lambda: views.last() is not None, timeout_s=90.0)
         received = views.last()
         assert received is not None
         view: CameraView = received.message
-        book = scenario_a().object("book").top_in_world
+        book = np.array(scenario_a().object("book").top_in_world)
         in_camera = inverse(view.world_from_camera) @ [*book, 1.0]
         u, v = Intrinsics(*view.intrinsics).pixel_from_point(in_camera[:3])
 
@@ -70,10 +73,24 @@ def test_the_middle_of_the_book_is_found_where_the_scene_has_it(tmp_path: Path) 
         reply = bus.call(topics.LIFT, request, timeout_s=20.0).message
 
         # The robot has sagged a little under its weight: its own angles tell the camera so.
-        assert np.linalg.norm(reply.point - book) < 0.002
+        error = float(np.linalg.norm(reply.point - book))
+        assert error < min(0.002, reply.error_bound)
+        # The book is 19 x 26 cm.
+        assert 0.07 <= reply.edge_distance <= 0.11
         assert reply.normal[2] > 0.999
         with pytest.raises(RefusedError, match="no picture of stamp 1 ns"):
             bus.call(topics.LIFT, LiftRequest(u=u, v=v, frame_stamp_ns=1), timeout_s=20.0)
+        other = msgspec.structs.replace(request, robot_boot_id="another")
+        with pytest.raises(RefusedError, match="the robot started anew"):
+            bus.call(topics.LIFT, other, timeout_s=20.0)
+        assert view.robot_boot_id
+
+        file = tmp_path / "book.ply"
+        low, high = (str(x) for x in book - 0.03), (str(x) for x in book + 0.03)
+        assert cloud([str(file), *flags, "--low", *low, "--high", *high]) == 0
+        header = file.read_bytes().partition(b"end_header")[0].decode("ascii")
+        points = int(header.split("element vertex ")[1].split()[0])
+        assert 50 < points < 300  # 6 x 6 cm, a point every 5 mm
 
 
 @pytest.mark.parametrize("module", ["w2c_sim_robot.camera", "w2c_perception"])

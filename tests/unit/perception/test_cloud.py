@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support.surfaces import CAMERA, HEIGHT, TABLE, WIDTH, WORLD_FROM_CAMERA, quantised
-from w2c.errors import MessageError, RefusedError
+from w2c.errors import ConfigError, MessageError, RefusedError
 from w2c_perception.cloud import Box, Cloud, decode_colours, point_cloud
+from w2c_perception.commands import cloud as cloud_command
 from w2c_perception.ply import encode_ply
 
 BOX = Box((0.4, -0.3, 0.5), (1.2, 0.3, 1.0))
@@ -117,3 +118,11 @@ def test_a_ply_file_holds_what_was_written(count: int, comment: str, seed: int) 
 def test_arrays_that_do_not_fit_are_no_ply() -> None:
     with pytest.raises(ValueError, match="expected"):
         encode_ply(np.zeros((2, 3), np.float32), np.zeros((1, 3), np.uint8))
+
+
+@pytest.mark.parametrize(
+    "flags", [["--low", "2", "0", "0"], ["--voxel", "0"], ["--high", "nan", "1", "1"]]
+)
+def test_a_cloud_of_no_box_is_a_usage_error_before_anything_is_asked(flags: list[str]) -> None:
+    with pytest.raises(ConfigError):
+        cloud_command(["out.ply", *flags])
