@@ -13,15 +13,18 @@ import pytest
 from support.documents import ROOT, commands_of, documents
 from w2c.tables import calls_table, streams_table
 from w2c_evaluation.results import results_table
+from w2c_sim_robot.scenes.tables import kinds_table
 
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
 OTHER_PROGRAMS = {"git", "cd", "docker", "curl", "sudo", "python", "scp", "ssh", "bash"}
 
+SCENES = ROOT / "docs" / "reference" / "scenes.md"
 REFERENCE = ROOT / "docs" / "reference" / "messages.md"
 RESULTS = ROOT / "docs" / "results" / "demo.json"
 TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),
+    "kinds": (SCENES, kinds_table),
     "results": (ROOT / "README.md", lambda: results_table(json.loads(RESULTS.read_text()))),
 }
 

@@ -21,12 +21,12 @@ from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 
 Rgb = npt.NDArray[np.uint8]
 
-TILE = (224, 184)
+TILE = (176, 144)
 """Of a kind: width, height [px]"""
-SCENE_TILE = (448, 252)
+SCENE_TILE = (400, 225)
 CAPTION = 22
 """Height of the line under a picture [px]"""
-SHEET_QUALITY = 87
+SHEET_QUALITY = 82
 FIELD_OF_VIEW = np.radians(24.0)
 _LAMPS = (
     Light(position=(-2.0, 1.8, 3.0), direction=(0.5, -0.42, -0.76), brightness=0.66, warmth=0.15),
@@ -78,7 +78,7 @@ def _portrait(item: SceneObject, size: tuple[int, int]) -> Rgb:
         renderer.close()
 
 
-def kinds_sheet(kinds: Sequence[str] = tuple(KINDS), columns: int = 8) -> Rgb:
+def kinds_sheet(kinds: Sequence[str] = tuple(KINDS), columns: int = 10) -> Rgb:
     """Return every kind with its name, by group."""
     order = sorted(kinds, key=lambda kind: (KINDS[kind].group, kind))
     return arranged(((picture_of_kind(kind, TILE), kind) for kind in order), columns)
