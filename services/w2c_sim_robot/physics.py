@@ -110,6 +110,7 @@ class Simulator:
         self._command: Array = self._ready_command.copy()
         self._tick = 0
         self._pushes.reset()
+        self._touch.reset()
         self._fell = False
         mujoco.mj_forward(self._model, self._data)
         if self._imperfection is not None:
@@ -221,7 +222,7 @@ class Simulator:
         return twist[3:] + np.cross(twist[:3], offset)
 
     def _has_fallen(self) -> bool:
-        return self._qpos.item(self._base + 2) < LOWEST_BASE_M or self._touch.by_body()
+        return self._qpos.item(self._base + 2) < LOWEST_BASE_M or self._touch.by_body(self._tick)
 
 
 def _imperfection(
