@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from w2c.clock import Clock
-from w2c.errors import CallError, RefusedError, W2CError
+from w2c.errors import CallError, ModelError, RefusedError
 from w2c.messages import AllowedArea, EndEffector, PhraseEvidence, PlaceGoal, Task
 from w2c_dialogue import effector
 from w2c_dialogue.advice.guard import Guard
@@ -15,6 +17,10 @@ from w2c_dialogue.steps import Services
 
 TRIED = 6
 """Points that are tried for reach: each takes 10 ms of perception and 5 ms of a preview"""
+
+CELL = 8
+"""Side of a cell where the whole picture is allowed [px]"""
+_UNMASKED = "This is the point I would take without that; confirm it only if you mean it."
 
 
 @dataclass(frozen=True)
@@ -58,47 +64,65 @@ class MaskedPointing:
         self, seen: PhraseEvidence, frame: Frame, instruction: str, services: Services
     ) -> Pointed:
         """Return where on a thing that was found a hand may go."""
+        problem = ""
+        limb: EndEffector | None = None
+        task: Task = "contact"
         try:
-            area = services.allowed(frame.stamp_ns)
-            area = self._guard.forbid(area, frame)
+            limb, task = self._limbs.hear(instruction, services)
+        except (CallError, ModelError) as error:
+            problem = str(error)
+        try:
+            area = self._area(frame, task, services)
         except CallError as error:
             return Pointed(None, f"I could not see where a hand may go ({error}).")
-        self._publish(area)
         found = candidates(seen, area, TRIED)
         if not found:
             return Pointed(
                 None,
-                f"Nothing on '{seen.phrase}' is allowed: {why_not(seen, area)}. This is the point "
-                "I would take without that; confirm it only if you mean it.",
+                f"Nothing on '{seen.phrase}' is allowed: {why_not(seen, area)}. {_UNMASKED}",
             )
-        return self._first_reachable(found, seen.phrase, frame, instruction, services)
+        if problem:
+            return Pointed(found[0].pixel, f"I could not find out whether I get there ({problem}).")
+        return self._first_reachable(found, seen.phrase, frame, (limb, task), services)
+
+    def _area(self, frame: Frame, task: Task, services: Services) -> AllowedArea:
+        """Return where a hand may go, for leaning also shown to the operator. Raises CallError."""
+        if task == "contact":
+            area = self._guard.forbid(services.allowed(frame.stamp_ns), frame)
+            self._publish(area)
+            return area
+        # What is only touched need be neither flat nor large: a cup is neither.
+        anywhere = AllowedArea(
+            stamp_ns=frame.stamp_ns,
+            width=frame.width,
+            height=frame.height,
+            cells=np.zeros((-(-frame.height // CELL), -(-frame.width // CELL)), np.uint8),
+            reasons=[],
+        )
+        return self._guard.forbid(anywhere, frame)
 
     def _first_reachable(
         self,
         found: list[Candidate],
         phrase: str,
         frame: Frame,
-        instruction: str,
+        heard: tuple[EndEffector | None, Task],
         services: Services,
     ) -> Pointed:
         start_ns = self._clock.now_ns()
         best = found[0].pixel
+        reason = ""
         try:
-            limb, task = self._limbs.hear(instruction, services)
-            reason = ""
             for candidate in found:
-                late = (self._clock.now_ns() - start_ns) * 1e-9 > self._budget_s
-                if late and candidate is not found[0]:
+                if (self._clock.now_ns() - start_ns) * 1e-9 > self._budget_s:
                     return Pointed(best, "I ran out of time to find a point within reach.")
-                reason = self._obstacle(candidate, frame, limb, task, services)
+                reason = self._obstacle(candidate, frame, *heard, services)
                 if not reason:
                     return Pointed(candidate.pixel)
-        except W2CError as error:
+        except CallError as error:
             return Pointed(best, f"I could not find out whether I get there ({error}).")
         return Pointed(
-            None,
-            f"Nothing that is allowed on '{phrase}' is within reach: {reason}. This is the point "
-            "I would take without that; confirm it only if you mean it.",
+            None, f"Nothing that is allowed on '{phrase}' is within reach: {reason}. {_UNMASKED}"
         )
 
     def _obstacle(

@@ -6,11 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support.conversing import BOOK, FIRST, World, first_words
-from w2c.errors import DeadlineError, RefusedError, UnavailableError
+from w2c.errors import DeadlineError, ModelError, RefusedError, UnavailableError
 from w2c.messages import AllowedArea, Box, PhraseEvidence, PlaceGoal, PreviewReply
 from w2c_dialogue.advice.mask import VETO, candidates, resampled, why_not, with_veto
 from w2c_dialogue.advice.pointing import MaskedPointing
-from w2c_dialogue.prompts.base import Question
 
 WIDTH, HEIGHT = 1280, 720
 
@@ -179,6 +178,27 @@ def test_what_must_not_be_touched_is_not_pointed_at() -> None:
     assert world.areas[0].reasons[-1] == VETO
 
 
+def test_what_is_only_reached_for_need_not_be_flat_but_a_veto_holds() -> None:
+    world = Masked(**{**first_words(), "effector": [{"effector": "left_hand", "task": "reach"}]})
+    world.lift.cells[:] = 1
+    world.grounding.things["person"] = (400, 300, 480, 420)
+    turn = world.say(FIRST)
+    assert turn.target is not None
+    assert turn.target.u > 530
+    assert turn.target.warning == ""
+    assert world.areas == []  # the shaded area is for hands that lean
+    assert world.controller.previewed[0].task == "reach"
+
+
+def test_words_for_a_limb_that_cannot_be_read_leave_the_best_allowed_point() -> None:
+    world = Masked(**{**first_words(), "effector": [ModelError("no such limb")]})
+    world.lift.cells[:, :55] = 1
+    turn = world.say(FIRST)
+    assert turn.target is not None
+    assert turn.target.u > 550
+    assert "whether I get there (no such limb)" in turn.reply
+
+
 def test_the_first_candidate_within_reach_is_taken() -> None:
     world = Masked(**first_words())
     preview = world.controller.preview
@@ -225,13 +245,13 @@ def test_time_ends_the_search_and_it_is_said() -> None:
 
 def test_one_point_is_tried_however_long_words_and_area_took() -> None:
     world = Masked(**first_words())
-    ask = world.model.complete
+    ask = world.lift.allowed
 
-    def slow(question: Question) -> object:
+    def slow(frame_stamp_ns: int) -> AllowedArea:
         world.clock.set(world.clock.now_ns() + 5_000_000_000)
-        return ask(question)
+        return ask(frame_stamp_ns)
 
-    world.model.complete = slow  # type: ignore[method-assign]
+    world.lift.allowed = slow  # type: ignore[method-assign]
     turn = world.say(FIRST)
     assert len(world.controller.previewed) == 1
     assert turn.target is not None
