@@ -112,6 +112,16 @@ def test_a_hand_that_lets_go_for_a_moment_takes_hold_where_it_is(robot: Robot) -
     assert robot.run(0.5) == []
 
 
+def test_motion_before_a_hand_let_go_is_forgotten(robot: Robot) -> None:
+    bearing = np.array([0.0, 50.0, 60.0])  # at the edge of the cone: creep does not count
+    robot.forces[RIGHT_HAND] = bearing
+    assert robot.run(0.08, velocity=0.05) == []
+    robot.forces[RIGHT_HAND] = 0.0
+    assert robot.run(0.02) == []
+    robot.forces[RIGHT_HAND] = bearing
+    assert robot.run(0.08, velocity=0.05) == []
+
+
 def test_a_foot_that_turns_in_the_air_does_not_make_the_ball_slip(robot: Robot) -> None:
     robot.watch.set(RIGHT_FOOT, False)
     robot.run(0.1)
@@ -182,10 +192,17 @@ def test_of_two_feet_the_lighter_one_slips(robot: Robot, lighter: int) -> None:
     assert found.effector == lighter
 
 
+def test_a_foot_that_carries_nothing_does_not_slip(robot: Robot) -> None:
+    robot.wanted[RIGHT_FOOT] = LIMITS.lost_desired[0] - 10.0
+    robot.forces[RIGHT_FOOT] = (LIMITS.lost_measured[0] - 1.0) * UP
+    assert robot.run(0.5, RIGHT_FOOT, velocity=0.05) == []
+
+
 def test_while_the_feet_move_the_slow_motion_of_a_hand_begins_anew(robot: Robot) -> None:
     assert robot.run(1.5, velocity=0.002) == []
-    found = robot.run(0.1, LEFT_FOOT, velocity=0.05)
-    assert {finding.effector for finding in found} <= {LEFT_FOOT, RIGHT_FOOT}
+    robot.forces[RIGHT_FOOT] = 350.0 * UP
+    found = robot.run(0.5, LEFT_FOOT, velocity=-0.05)
+    assert {finding.effector for finding in found} == {RIGHT_FOOT}  # the lighter one
     robot.run(5.0 * LIMITS.slip_window)
     assert robot.run(1.0, velocity=0.002) == []
 
