@@ -149,6 +149,13 @@ def test_a_pixel_is_lifted_into_the_world(rig: Rig) -> None:
     assert reply.point == pytest.approx((world_from_camera @ [0, 0, 1, 1])[:3], abs=3e-4)
     assert reply.normal == pytest.approx(-world_from_camera[:3, 2], abs=1e-3)
     assert reply.frame_stamp_ns == 1000 * TICK_NS
+    assert [verdict.check for verdict in reply.verdicts] == [
+        "known",
+        "flat",
+        "large",
+        "edge",
+        "slope",
+    ]
 
 
 def test_each_picture_is_told_where_it_was_taken_and_from_what(rig: Rig) -> None:
