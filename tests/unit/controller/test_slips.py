@@ -203,7 +203,7 @@ def test_while_the_feet_move_the_slow_motion_of_a_hand_begins_anew(robot: Robot)
     robot.forces[RIGHT_FOOT] = 350.0 * UP
     found = robot.run(0.5, LEFT_FOOT, velocity=-0.05)
     assert {finding.effector for finding in found} == {RIGHT_FOOT}  # the lighter one
-    robot.run(5.0 * LIMITS.slip_window)
+    assert robot.run(5.0 * LIMITS.slip_window) == []
     assert robot.run(1.0, velocity=0.002) == []
 
 
