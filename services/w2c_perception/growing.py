@@ -33,6 +33,8 @@ mean square, is no such surface"""
 BENDS = 25.0
 """Second-order terms count where they explain so many noise variances (chi square, three degrees
 of freedom)"""
+MAY_BEND = 10.0
+"""From so many on it may, which the smallest disc is too small to decide"""
 LAST_REPEATS = 2
 """How often points are chosen and fitted in the last disc; once in those before"""
 
@@ -78,7 +80,9 @@ def grow(depth: Depth, seed: Seed, focal: float, footprint: float, sigma: float)
             break
         best = larger
         values.append(_value(best))
-    return replace(best, dissent=max(abs(value - values[-1]) for value in values))
+    among_sizes = max(abs(value - values[-1]) for value in values)
+    # A larger piece has settled what the smallest could not tell: whether the surface bends.
+    return replace(best, dissent=max(among_sizes, best.dissent))
 
 
 def _value(piece: Piece) -> float:
@@ -102,12 +106,9 @@ def _first(depth: Depth, seed: Seed, radius: float, focal: float, sigma: float) 
             f"pixel ({int(seed.u)}, {int(seed.v)}), a plane needs {MIN_POINTS} that are not on a "
             "line; choose a larger surface or come closer"
         )
-    refined = disc.go_on_from(start, 1)
-    return (
-        refined
-        if refined is not None
-        else Piece(start, radius, float(same.mean()), disc.misfit(start, same))
-    )
+    found_again = disc.go_on_from(start, 1)
+    piece = found_again or Piece(start, radius, float(same.mean()), disc.misfit(start, same))
+    return replace(piece, dissent=disc.doubt(same))
 
 
 def _consensus(found: Samples, seed: Seed, focal: float, sigma: float) -> npt.NDArray[np.bool_]:
@@ -176,6 +177,17 @@ class _Disc:
             return linear
         gain = linear.support * (linear.spread**2 - bent.spread**2)
         return bent if gain > BENDS * float(np.mean(self._sigma[chosen])) ** 2 else linear
+
+    def doubt(self, chosen: npt.NDArray[np.bool_]) -> float:
+        """Return by how much 1 / z in the middle differs if the surface bends, as it may [1/m]."""
+        normals = Normals(self._rows[chosen], self._inverse[chosen], self._middle, self._radius)
+        linear, bent = normals.solve(LINEAR), normals.solve(QUADRATIC)
+        if linear is None or bent is None:
+            return 0.0
+        gain = linear.support * (linear.spread**2 - bent.spread**2)
+        if gain <= MAY_BEND * float(np.mean(self._sigma[chosen])) ** 2:
+            return 0.0
+        return abs(float(linear.coefficients[0] - bent.coefficients[0]))
 
     def _foretold(self, patch: Patch) -> Points:
         """Return 1 / z (n,) of the pixels by a patch about the same middle [1/m]."""

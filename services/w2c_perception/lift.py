@@ -18,6 +18,8 @@ from w2c_perception.window import SMALLEST_NOISE, Depth, Seed, find_seed, noise,
 
 COVERS = 2.0
 """Standard deviations of the noise's share of the error bound"""
+BY_CHANCE = 1.2
+"""Variances of the noise that a fit leaves over where nothing is wrong with it"""
 OUTLIER = 0.012
 """What is further from the plane than this is another thing, not roughness [m]"""
 ROUGH = 0.004
@@ -138,7 +140,7 @@ def _error_bound(
     z = float(point[2])
     along = float(np.linalg.norm(point)) / z
     of_noise = COVERS * piece.patch.deviation(seed.u, seed.v) * sigma
-    unexplained = float(np.sqrt(max(0.0, piece.misfit**2 - 1.0))) * sigma
+    unexplained = float(np.sqrt(max(0.0, piece.misfit**2 - BY_CHANCE))) * sigma
     of_shape = piece.dissent * z * z + unexplained
     # A pixel that was moved sidewards moves along the surface, which is longer where it is steep.
     facing = max(0.1, abs(float(normal @ point)) / float(np.linalg.norm(point)))

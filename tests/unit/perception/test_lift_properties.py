@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from support.surfaces import (
@@ -21,7 +21,9 @@ from support.surfaces import (
 )
 from w2c.errors import RefusedError
 from w2c.geometry import unit
+from w2c_perception.growing import grow
 from w2c_perception.lift import Surface, lift
+from w2c_perception.window import find_seed
 
 SOME = settings(max_examples=12, deadline=None, derandomize=True)
 MIDDLE = (160.5, 120.5)
@@ -96,6 +98,7 @@ def test_a_thin_rod_is_touched_not_the_wall_behind_it(
 
 @SOME
 @given(radius=st.floats(0.03, 0.3), sigma=st.floats(0.0, 0.002))
+@example(radius=0.03125, sigma=0.00107)
 def test_a_ball_is_touched_on_its_skin(radius: float, sigma: float) -> None:
     centre = np.array([0.02, 0.01, 0.8 + radius])
     depth = np.minimum(ball(centre, radius), 3.0)
@@ -141,9 +144,9 @@ def test_a_hole_is_bridged_as_far_as_it_can_be_known(radius: int, answered: bool
 
 
 def test_a_wide_hole_beside_an_edge_is_not_guessed() -> None:
-    """Four pixels beside the end of a board, over nothing: the board may end anywhere there."""
+    """Three pixels beside the end of a board, over nothing: the board may end anywhere there."""
     columns = np.mgrid[0:HEIGHT, 0:WIDTH][1]
-    depth = np.where(columns < 156, 1.0, 0.0)
+    depth = np.where(columns < 158, 1.0, 0.0)
 
     with pytest.raises(RefusedError, match="an edge"):
         at(depth)
@@ -215,3 +218,15 @@ def test_the_edge_is_where_one_sees_past_the_surface_not_where_something_stands(
     assert cover.edge_distance == 0.25
     assert end.extent == pytest.approx(cover.extent, abs=0.011)
     assert 0.06 <= end.extent <= 0.1
+
+
+def test_a_piece_does_not_grow_over_what_is_mostly_something_else() -> None:
+    depth = noisy(np.minimum(upright_rod(160.5, 12.0, 0.7), 0.73), 0.001)
+    seed = find_seed(depth, *MIDDLE, CAMERA.fx, 0.001)
+
+    on_rod = grow(depth, seed, CAMERA.fx, 0.05, 0.001)
+    wall = noisy(np.full((HEIGHT, WIDTH), 0.73), 0.001)
+    on_wall = grow(wall, find_seed(wall, *MIDDLE, CAMERA.fx, 0.001), CAMERA.fx, 0.05, 0.001)
+
+    assert on_rod.radius <= 12.0
+    assert on_wall.radius == pytest.approx(0.05 * CAMERA.fx / 0.73, rel=0.01)
