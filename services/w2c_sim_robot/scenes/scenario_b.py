@@ -23,7 +23,7 @@ RACK_SIZE = (0.48, 0.48, 0.14)
 PLATE_SIZE = (0.25, 0.25, 0.026)
 LEAN = np.radians(-72.0)
 """A plate in the rack stands nearly upright, its upper side to the robot"""
-PLATE_X = (1.10, 1.15)
+PLATE_X = (1.13, 1.17)
 PLATE_Y = (0.08, 0.22)
 """Where a plate is out of reach on two feet, and within reach of a hand with support [m]"""
 _TILTED: Quaternion = (0.0, float(np.sin(LEAN / 2)), 0.0, float(np.cos(LEAN / 2)))

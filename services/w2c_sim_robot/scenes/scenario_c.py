@@ -6,9 +6,9 @@ from w2c_sim_robot.scenes.lamps import WORKSHOP
 from w2c_sim_robot.scenes.objects.catalogue import make_object
 from w2c_sim_robot.scenes.scene import Instruction, Scene, Surroundings
 
-TABLE_SIZE = (1.20, 1.7, 0.80)
+TABLE_SIZE = (1.20, 1.7, 0.76)
 TABLE_FRONT = 0.27
-NAIL_BOX_X = (1.23, 1.28)
+NAIL_BOX_X = (1.245, 1.285)
 NAIL_BOX_Y = (0.06, 0.20)
 """Where the box is out of reach on two feet, and within reach of a hand with support [m]"""
 ASIDE = 0.20
