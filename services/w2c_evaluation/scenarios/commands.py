@@ -35,7 +35,7 @@ class ScenariosConfig(msgspec.Struct, frozen=True, kw_only=True):
     words: Literal["model", "scripted"] = "model"
     """Who understands words: the llm service, or a script that knows what is meant."""
     keep: bool = False
-    """Keep the recordings of successes, too: 200 MB each."""
+    """Keep the recordings of successes, too: 30 to 100 MB each."""
     run_directory: str = ""
     """Where everything goes; empty = runs/<date and time>-scenarios."""
     resume: bool = False
