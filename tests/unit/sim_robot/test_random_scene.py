@@ -58,7 +58,8 @@ def test_things_stand_on_tables_counters_shelves_and_floors(training: list[Scene
 
 
 def test_nothing_is_inside_anything_else(training: list[Scene]) -> None:
-    for scene in training[:4]:
+    crowded = sorted(training, key=lambda scene: -len(scene.objects))
+    for scene in crowded[:4]:
         assert deepest_overlap(scene.objects) is None, scene.seed
     scenes.check(training[4])
 
