@@ -76,6 +76,10 @@ class Limits:
     foot_torque_rate: float = 2.4
     """[Nm/s]"""
     hand_force_rate: float = 10.0
+    lost_force_rate: float = 1000.0
+    """Of all contacts while one is unloaded that carries nothing any more [N/s]. Ours."""
+    lost_torque_rate: float = 200.0
+    """Of the feet meanwhile [Nm/s]. Ours."""
 
 
 @dataclass(frozen=True)

@@ -151,12 +151,20 @@ def point_cone(limits: Limits) -> Matrix:
     return np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]], dtype=np.float64)
 
 
-def wrench_rate_limits(limits: Limits, contact: int) -> Vector:
-    """Return the largest wrench rate (6,) or (3,) of a contact [N/s, Nm/s]."""
+def wrench_rate_limits(limits: Limits, contact: int, *, lost: bool = False) -> Vector:
+    """Return the largest wrench rate (6,) or (3,) of a contact [N/s, Nm/s].
+
+    Args:
+        limits: All of them.
+        contact: Index of the end effector.
+        lost: Whether some contact carries nothing any more.
+    """
     if contact in FEET:
         force, torque = limits.foot_force_rate, limits.foot_torque_rate
+        if lost:
+            force, torque = limits.lost_force_rate, limits.lost_torque_rate
         return np.array([force, force, force, torque, torque, torque])
-    return np.full(POINT_SIZE, limits.hand_force_rate)
+    return np.full(POINT_SIZE, limits.lost_force_rate if lost else limits.hand_force_rate)
 
 
 def normal_force_limits(limits: Limits, contact: int) -> tuple[float, float]:

@@ -27,6 +27,8 @@ class DesiredState:
     enabled: Enabled = STANDING
     releasing: list[bool] = field(default_factory=lambda: [False] * 4)
     """Contacts that are being unloaded"""
+    lost: list[bool] = field(default_factory=lambda: [False] * 4)
+    """Those of them that carry nothing any more: the others take over as fast as they can"""
     pushing: list[bool] = field(default_factory=lambda: [False] * 4)
     """Contacts whose normal force tracks `push_force`, and whose other components go to zero"""
     push_force: Vector = field(default_factory=lambda: np.zeros(4))
@@ -63,6 +65,7 @@ class DesiredState:
             posture=self.posture.copy(),
             enabled=self.enabled,
             releasing=list(self.releasing),
+            lost=list(self.lost),
             pushing=list(self.pushing),
             push_force=self.push_force.copy(),
             wrenches=self.wrenches.copy(),

@@ -70,8 +70,9 @@ class ProgramBuilder:
         """T_J (nj, n): dtau/dt of a solution x is T_J x."""
         self._diagonal = np.zeros(layout.size)
         self._wrench_goal = np.zeros(layout.size - nv)
-        self._weighted: tuple[list[bool], list[bool]] = ([], [])
-        """Which contacts were being released, and which pushed, when the weights were filled"""
+        self._rates = np.zeros(layout.size - nv)
+        self._weighted: tuple[list[bool], list[bool], list[bool]] = ([], [], [])
+        """Which contacts were being released, pushed and lost when weights and rates were filled"""
         choice = parameters.weights
         self._diagonal[6:nv] = choice.joint_velocity + choice.posture
         # Tuples of arguments, whose types differ one by one.
@@ -104,7 +105,8 @@ class ProgramBuilder:
             kinematics: Of the state, statics included.
             state: The desired state.
         """
-        if self._weighted[0] != state.releasing or self._weighted[1] != state.pushing:
+        releasing, pushing, lost = self._weighted
+        if releasing != state.releasing or pushing != state.pushing or lost != state.lost:
             self._weigh_wrenches(state)
         if True in state.pushing:
             self._aim(state)
@@ -131,17 +133,23 @@ class ProgramBuilder:
         return self.program
 
     def _weigh_wrenches(self, state: DesiredState) -> None:
-        """Drive wrenches to zero: gently, and with all might those of a contact being released."""
-        weights = self._parameters.weights
+        """Drive wrenches to zero: gently, and with all might those of a contact being released.
+
+        Where a contact was lost, faster than otherwise.
+        """
+        weights, limits = self._parameters.weights, self._parameters.limits
+        lost = True in state.lost
         self._wrench_goal[:] = 0.0
         for k, where in self.layout.slices.items():
+            wrench = slice(where.start - self._nv, where.stop - self._nv)
+            self._rates[wrench] = wrench_rate_limits(limits, k, lost=lost)
             vector = np.array(weights.plane_wrench if k in FEET else weights.point_force)
             if state.releasing[k]:
                 vector = vector * (weights.release_factor / vector[0])
             elif state.pushing[k]:
                 vector[:] = weights.push
             self._diagonal[where] = vector
-        self._weighted = (list(state.releasing), list(state.pushing))
+        self._weighted = (list(state.releasing), list(state.pushing), list(state.lost))
 
     def _aim(self, state: DesiredState) -> None:
         """Give contacts that push their goal: the commanded force along the normal, no other."""
@@ -209,7 +217,5 @@ class ProgramBuilder:
             controlled.upper - margin,
             limits.velocity_fraction * controlled.velocity,
             limits.torque_fraction * controlled.effort,
-            np.concatenate(
-                [np.zeros(0), *(wrench_rate_limits(limits, k) for k in self.layout.slices)]
-            ),
+            self._rates,
         )

@@ -115,21 +115,27 @@ class Retargeting:
         self._lean(state, contact, contact_rotation)
         state.wrenches[contact] = 0.0
         state.force_min[contact] = 0.0
-        state.releasing[contact] = state.pushing[contact] = False
+        state.releasing[contact] = state.lost[contact] = state.pushing[contact] = False
         self.kinematics.update_frames(state.q)
         state.target_positions[contact] = self.kinematics.positions[contact]
         state.target_rotations[contact] = self.kinematics.rotations[contact]
         state.enabled = with_contact(state.enabled, contact, True)
 
-    def release(self, contact: int) -> None:
-        """Begin to unload a contact; it is free when `enabled` no longer holds it."""
+    def release(self, contact: int, *, lost: bool = False) -> None:
+        """Begin to unload a contact; it is free when `enabled` no longer holds it.
+
+        Args:
+            contact: Index of the end effector.
+            lost: Whether it carries nothing any more: then as fast as the others can take over.
+        """
         if self.state.enabled[contact]:
             self.state.releasing[contact] = True
+            self.state.lost[contact] = lost
             self.state.force_min[contact] = 0.0
 
     def keep(self, contact: int) -> None:
         """Load a contact again that was being released."""
-        self.state.releasing[contact] = False
+        self.state.releasing[contact] = self.state.lost[contact] = False
 
     def loaded(self, contact: int) -> bool:
         """Return whether a contact carries at least its configured minimum."""
@@ -201,7 +207,7 @@ class Retargeting:
                 if remaining not in self._builders:
                     continue
                 state.enabled = remaining
-                state.releasing[k] = state.pushing[k] = False
+                state.releasing[k] = state.lost[k] = state.pushing[k] = False
                 state.wrenches[k] = 0.0
 
 

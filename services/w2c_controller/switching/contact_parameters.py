@@ -31,7 +31,8 @@ class Supervision:
     lost_measured: tuple[float, float] = (10.0, 3.0)
     """Foot, hand: a contact that carries less has no ground [N]."""
     lost_time: float = 0.2
-    """[s]"""
+    """Of a foot, and of a hand that shall carry 20 N; of one that shall carry n times as much, the
+    n-th part [s]."""
     slip_distance: tuple[float, float] = (0.003, 0.006)
     """Foot, hand: of motion against the feet within `slip_window`, rolling apart [m]. In far
     reaches a foot creeps by 0.3 mm; a ball that turns is drawn over the table by up to 5 mm."""

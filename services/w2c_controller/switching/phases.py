@@ -114,11 +114,11 @@ class Phases(Bookkeeping, ABC):
             state.pushing[k] = goal.force > 0.0
         self._enter("load")
 
-    def _begin_unload(self, effector: int) -> None:
+    def _begin_unload(self, effector: int, *, lost: bool = False) -> None:
         self._effector = effector
         self._stay = False
         self._retargeting.state.pushing[effector] = False
-        self._retargeting.release(effector)
+        self._retargeting.release(effector, lost=lost)
         self._enter("unload")
 
     def _begin_retreat(self, effector: int) -> None:

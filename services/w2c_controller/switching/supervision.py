@@ -221,7 +221,9 @@ def _weigh(
             force += normals[k, i] * (felt - tares[k, i])
         measured[k] = force
         no_ground = wrenches[k, 2] > wanted[k] and force < missing[k]
-        timers[0, k] = timers[0, k] + dt if no_ground else 0.0
+        # The more weight a hand misses, the sooner the robot falls.
+        haste = wrenches[k, 2] / wanted[k] if k >= 2 else 1.0
+        timers[0, k] = timers[0, k] + haste * dt if no_ground else 0.0
         timers[1, k] = timers[1, k] + dt if k >= 2 and force > overload_force else 0.0
         lost, overloaded = timers[0, k] > lost_time, timers[1, k] > overload_time
         if lost and not told[LOST, k]:

@@ -76,9 +76,13 @@ class Switching(OnSurface):
             self._begin_retreat(effector)
 
     def abort(self, reason: str) -> None:
-        """End the goal under way; contacts stay, and what is free stays where it is. For stop."""
-        if self._unfinished():
+        """End the goal under way; contacts stay, and what is free stays where it is. For stop.
+
+        A hand that lost its support goes on being unloaded: there is nothing to keep.
+        """
+        if self._unfinished() and (self.goal is not None or self.releasing_id):
             self._emit("aborted", reason)
+        lost = [k for k in range(4) if self._retargeting.state.lost[k]]
         for k in range(4):
             self._retargeting.keep(k)
             self._hands.stop(k)
@@ -87,6 +91,9 @@ class Switching(OnSurface):
         self._forget_goal()
         self._next = None
         self._enter("hold")
+        for k in lost:
+            self._begin_unload(k, lost=True)
+            self._stay = True
 
     def step(self, measured: Measured) -> list[Event]:
         """Advance by one tick; returns what changed."""
@@ -198,7 +205,7 @@ class Switching(OnSurface):
             # With the force that it has: `abort` has just made it the commanded one.
             self._retargeting.state.pushing[k] = True
         if finding.cause == "contact_lost" or (slips and again):
-            self._begin_unload(k)
+            self._begin_unload(k, lost=finding.cause == "contact_lost")
             self._stay = True
 
     def _comes_back(self) -> bool:

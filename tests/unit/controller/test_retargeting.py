@@ -44,6 +44,53 @@ def test_a_released_hand_is_free_when_its_force_is_gone(retargeting: Retargeting
     assert not retargeting.state.releasing[RIGHT_HAND]
 
 
+def push(retargeting: Retargeting, force: float) -> None:
+    """Let the right hand bear a force along the normal [N]."""
+    retargeting.enable(RIGHT_HAND, np.eye(3))
+    retargeting.state.pushing[RIGHT_HAND] = True
+    retargeting.state.push_force[RIGHT_HAND] = force
+    rate = retargeting.parameters.limits.hand_force_rate * retargeting.dt
+    for _ in range(round(force / rate) + 100):
+        assert retargeting.tick()
+    assert retargeting.state.wrenches[RIGHT_HAND, 2] == pytest.approx(force, abs=1.0)
+
+
+def test_the_force_of_a_lost_hand_goes_at_once_and_the_feet_take_it(
+    retargeting: Retargeting,
+) -> None:
+    state, kinematics = retargeting.state, retargeting.kinematics
+    push(retargeting, 60.0)
+    weight = state.wrenches[:, 2].sum()
+    retargeting.release(RIGHT_HAND, lost=True)
+    ticks = 0
+    while state.enabled[RIGHT_HAND]:
+        assert retargeting.tick()
+        assert np.abs(kinematics.static[:6]).max() < 5.0
+        ticks += 1
+        assert ticks * retargeting.dt < 0.3
+    assert state.wrenches[:2, 2].sum() == pytest.approx(weight, abs=1.0)
+    feet = state.wrenches[:2].copy()
+    limits = retargeting.parameters.limits
+    for _ in range(20):
+        assert retargeting.tick()
+        rates = np.abs(state.wrenches[:2] - feet) / retargeting.dt
+        assert rates[:, :3].max() <= limits.foot_force_rate + 1e-6
+        assert rates[:, 3:].max() <= limits.foot_torque_rate + 1e-6
+        feet = state.wrenches[:2].copy()
+
+
+def test_a_lost_hand_that_is_kept_unloads_as_ever_the_next_time(retargeting: Retargeting) -> None:
+    state = retargeting.state
+    push(retargeting, 20.0)
+    retargeting.release(RIGHT_HAND, lost=True)
+    retargeting.keep(RIGHT_HAND)
+    retargeting.release(RIGHT_HAND)
+    before = state.wrenches[RIGHT_HAND, 2]
+    assert retargeting.tick()
+    slowest = retargeting.parameters.limits.hand_force_rate * retargeting.dt
+    assert before - state.wrenches[RIGHT_HAND, 2] <= slowest + 1e-9
+
+
 def test_a_foot_is_unloaded_lifted_put_down_and_loaded(retargeting: Retargeting) -> None:
     retargeting.release(0)
     ticks = 0

@@ -56,24 +56,43 @@ def seconds_until(world: ContactWorld, done: Callable[[], bool], limit: float) -
     raise AssertionError(f"not within {limit} s")
 
 
+def hurry(world: ContactWorld) -> float:
+    """Return how much sooner than 20 N the load of the right hand is missed."""
+    return world.normal(RIGHT_HAND) / LIMITS.lost_desired[1]
+
+
 def test_a_hand_that_lost_its_support_is_unloaded_and_the_robot_holds(
     leaning: ContactWorld,
 ) -> None:
-    where = leaning.hands.position(RIGHT_HAND)
+    where, haste = leaning.hands.position(RIGHT_HAND), hurry(leaning)
+    assert haste > 1.5
     leaning.gone.add(RIGHT_HAND)
     waited = seconds_until(leaning, lambda: bool(leaning.findings), 1.0)
-    assert waited == pytest.approx(LIMITS.lost_time, abs=0.03)
+    assert waited == pytest.approx(LIMITS.lost_time / haste, abs=0.02)
     assert [finding.cause for finding in leaning.findings] == ["contact_lost"]
     leaning.run(0.02)
     assert leaning.told()[-2:] == [("lean", "aborted"), ("cup", "aborted")]
     assert "right hand lost its support" in leaning.events[-1].reason
     free = seconds_until(leaning, lambda: not leaning.retargeting.state.enabled[RIGHT_HAND], 15.0)
-    assert free > 1.0  # by the same ramp as any unloading: the feet must take it
+    assert free < 0.5  # a robot whose support went falls while it unloads as ever
     leaning.run(3.0)
     assert leaning.switching.phase == "hold"
     assert np.linalg.norm(leaning.hands.position(RIGHT_HAND) - where) < 0.02
     assert leaning.retargeting.failures == 0
     assert len(leaning.findings) == 1
+
+
+def test_what_is_found_next_does_not_keep_a_hand_without_support(leaning: ContactWorld) -> None:
+    leaning.gone.add(RIGHT_HAND)
+    seconds_until(leaning, lambda: bool(leaning.findings), 1.0)
+    leaning.run(0.02)
+    told = leaning.told()
+    leaning.switching.abort("the right foot slips")
+    assert leaning.switching.phase == "unload"
+    seconds_until(leaning, lambda: not leaning.retargeting.state.enabled[RIGHT_HAND], 0.5)
+    leaning.run(0.1)
+    assert leaning.switching.phase == "hold"
+    assert leaning.told() == told
 
 
 def test_the_goal_of_a_contact_ends_when_its_support_is_lost(
@@ -103,7 +122,7 @@ def test_a_lost_foot_holds_and_stays_a_contact(leaning: ContactWorld) -> None:
 
 def test_a_short_loss_is_none(leaning: ContactWorld) -> None:
     leaning.gone.add(RIGHT_HAND)
-    leaning.run(LIMITS.lost_time - 0.03)
+    leaning.run(LIMITS.lost_time / hurry(leaning) - 0.03)
     leaning.gone.clear()
     leaning.run(1.0)
     assert leaning.findings == []
