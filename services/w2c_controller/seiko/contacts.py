@@ -1,7 +1,9 @@
 """Which contacts exist, where their wrenches stand among the variables, and their cones."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +15,8 @@ from w2c_controller.solvers.structure import Structure
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
+
+T = TypeVar("T")
 
 Enabled = tuple[bool, bool, bool, bool]
 """Left foot, right foot, left hand, right hand."""
@@ -118,6 +122,11 @@ def contact_sets() -> list[Enabled]:
         for left_hand in flags
         for right_hand in flags
     ]
+
+
+def per_contact_set(nv: int, make: Callable[[ContactLayout], T]) -> dict[Enabled, T]:
+    """Return what is made of the layout of each set of contacts, so that the loop makes nothing."""
+    return {enabled: make(ContactLayout(enabled, nv)) for enabled in contact_sets()}
 
 
 def plane_cone(limits: Limits) -> Matrix:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from w2c.errors import ControlError, SolverError
 from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.parameters import Parameters
-from w2c_controller.seiko.contacts import ContactLayout, Enabled
+from w2c_controller.seiko.contacts import per_contact_set
 from w2c_controller.seiko.flexible_model import FlexibleState, find_equilibrium
 from w2c_controller.seiko.flexible_program import FlexibleProgram
 from w2c_controller.seiko.force_feedback import TorqueLimits, WrenchFeedback
@@ -33,11 +33,11 @@ class ForceControl:
         solver: Solver | None = None,
     ) -> None:
         self._controlled = controlled
-        self._parameters = parameters
         self._settings = parameters.force_control
-        self._dt = dt
         self._solver = solver if solver is not None else FallbackSolver()
-        self._programs: dict[Enabled, FlexibleProgram] = {}
+        self._programs = per_contact_set(
+            controlled.nv, lambda layout: FlexibleProgram(layout, controlled, parameters, dt)
+        )
         self._command = np.zeros(controlled.nj)
         self._rates = np.zeros((4, 6))
         self.kinematics = Kinematics(controlled)
@@ -49,9 +49,9 @@ class ForceControl:
         )
         self.failures = 0
         """Ticks without a solution: the offset stayed."""
-        for left in (False, True):
-            for right in (False, True):
-                self._program((True, True, left, right))
+        if isinstance(self._solver, FallbackSolver):
+            for program in self._programs.values():
+                self._solver.prepare(program.program)
 
     @property
     def active(self) -> bool:
@@ -96,7 +96,7 @@ class ForceControl:
         )
         self.feedback.step(desired, measured, self._rates)
         self.torque_limits.step(measured.torque, kinematics.static[6:])
-        program = self._program(flexible.enabled)
+        program = self._programs[flexible.enabled]
         qp = program.fill(
             kinematics,
             flexible,
@@ -145,12 +145,3 @@ class ForceControl:
         except ControlError:
             self.failures += 1
             self.flexible = before
-
-    def _program(self, enabled: Enabled) -> FlexibleProgram:
-        """Return the program of a contact set; all sets on two feet are made at the start."""
-        if enabled not in self._programs:
-            layout = ContactLayout(enabled, self._controlled.nv)
-            self._programs[enabled] = FlexibleProgram(
-                layout, self._controlled, self._parameters, self._dt
-            )
-        return self._programs[enabled]

@@ -14,10 +14,9 @@ from w2c_controller.kinematics.model import ControlledModel, Kinematics, standin
 from w2c_controller.parameters import EFFECTORS, FEET, HANDS, Parameters
 from w2c_controller.seiko.balance import balance_at_rest
 from w2c_controller.seiko.contacts import (
-    ContactLayout,
     Enabled,
-    contact_sets,
     normal_force_limits,
+    per_contact_set,
     wrench_rate_limits,
 )
 from w2c_controller.seiko.desired import DesiredState, with_contact
@@ -54,12 +53,11 @@ class Retargeting:
         )
         self._lightest = np.array([_lightest(parameters, dt, k) for k in range(4)])
         self.state = DesiredState(q=np.zeros(controlled.model.nq), posture=np.zeros(controlled.nj))
-        self._builders: dict[Enabled, ProgramBuilder] = {}
-        for enabled in contact_sets():
-            layout = ContactLayout(enabled, controlled.nv)
-            builder = ProgramBuilder(layout, controlled, parameters, dt)
-            self._builders[enabled] = builder
-            if isinstance(self._solver, FallbackSolver):
+        self._builders = per_contact_set(
+            controlled.nv, lambda layout: ProgramBuilder(layout, controlled, parameters, dt)
+        )
+        if isinstance(self._solver, FallbackSolver):
+            for builder in self._builders.values():
                 self._solver.prepare(builder.program)
 
     def reset(self, joints: Vector, supports: Mapping[int, Matrix] | None = None) -> None:

@@ -9,6 +9,7 @@ from w2c.errors import ControlError, SolverError
 from w2c.messages import Array
 from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.parameters import Parameters
+from w2c_controller.seiko.contacts import contact_sets
 from w2c_controller.seiko.flexible_model import FlexibleState, find_equilibrium
 from w2c_controller.seiko.force_control import ForceControl
 from w2c_controller.seiko.force_parameters import ForceParameters
@@ -49,6 +50,20 @@ def run(retargeting: Retargeting, control: ForceControl, ticks: int) -> None:
     for _ in range(ticks):
         assert retargeting.tick()
         assert control.tick(retargeting, as_desired(retargeting))
+
+
+def test_no_program_is_made_in_the_loop(
+    retargeting: Retargeting, control: ForceControl, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("a program was made in a tick")
+
+    monkeypatch.setattr("w2c_controller.seiko.force_control.FlexibleProgram", refuse)
+    assert retargeting.tick()
+    for enabled in contact_sets():
+        retargeting.state.enabled = enabled
+        control.tick(retargeting, as_desired(retargeting))
+        assert control.flexible.enabled == enabled
 
 
 def test_at_reset_the_desired_posture_is_the_equilibrium_of_the_command(
