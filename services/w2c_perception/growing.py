@@ -35,8 +35,6 @@ BENDS = 25.0
 of freedom)"""
 MAY_BEND = 10.0
 """From so many on it may, which the smallest disc is too small to decide"""
-LAST_REPEATS = 2
-"""How often points are chosen and fitted in the last disc; once in those before"""
 
 
 @dataclass(frozen=True)
@@ -74,8 +72,7 @@ def grow(depth: Depth, seed: Seed, focal: float, footprint: float, sigma: float)
     while radius < largest:
         radius = min(largest, GROWTH * radius)
         found = samples(depth, seed.u, seed.v, radius)
-        repeats = 1 if radius < largest else LAST_REPEATS
-        larger = _Disc(found, seed, radius, sigma).go_on_from(best.patch, repeats)
+        larger = _Disc(found, seed, radius, sigma).go_on_from(best.patch)
         if larger is None or larger.share < ENDED or larger.misfit > MISFIT:
             break
         best = larger
@@ -106,7 +103,7 @@ def _first(depth: Depth, seed: Seed, radius: float, focal: float, sigma: float) 
             f"pixel ({int(seed.u)}, {int(seed.v)}), a plane needs {MIN_POINTS} that are not on a "
             "line; choose a larger surface or come closer"
         )
-    found_again = disc.go_on_from(start, 1)
+    found_again = disc.go_on_from(start)
     piece = found_again or Piece(start, radius, float(same.mean()), disc.misfit(start, same))
     return replace(piece, dissent=disc.doubt(same))
 
@@ -148,17 +145,12 @@ class _Disc:
         self._tolerance = AGREES * sigma * square
         self._rows = terms(found.u, found.v, self._middle, radius, QUADRATIC)
 
-    def go_on_from(self, patch: Patch, repeats: int) -> Piece | None:
+    def go_on_from(self, patch: Patch) -> Piece | None:
         """Return the piece that goes on from a former one; None where too little agrees."""
-        found: Patch | None = patch
-        for _ in range(repeats):
-            if found is None:
-                return None
-            expected = self._foretold(found)
-            agrees = np.abs(self._inverse - expected) <= self._tolerance
-            if agrees.sum() < MIN_POINTS:
-                return None
-            found = self.fit(agrees)
+        agrees = np.abs(self._inverse - self._foretold(patch)) <= self._tolerance
+        if agrees.sum() < MIN_POINTS:
+            return None
+        found = self.fit(agrees)
         if found is None:
             return None
         return Piece(found, self._radius, float(agrees.mean()), self.misfit(found, agrees))

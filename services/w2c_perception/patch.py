@@ -17,8 +17,8 @@ Points = npt.NDArray[np.float64]
 
 LINEAR, QUADRATIC = 3, 6
 """Coefficients of the two models"""
-WELL_SPREAD = 1e-4
-"""Smallest over largest eigenvalue of normal equations that fix all coefficients"""
+WORST_CONDITION = 1e4
+"""Of normal equations that fix all coefficients"""
 
 
 @dataclass(frozen=True)
@@ -120,11 +120,13 @@ class Normals:
         if self._count < 2 * count:
             return None
         matrix = self._matrix[:count, :count]
-        values, vectors = np.linalg.eigh(matrix)
-        # Points on a line, or in one spot, leave a slope open.
-        if values[0] < WELL_SPREAD * values[-1]:
+        try:
+            covariance: Points = np.linalg.inv(matrix)
+        except np.linalg.LinAlgError:
             return None
-        covariance: Points = (vectors / values) @ vectors.T
+        # Points on a line, or in one spot, leave a slope open.
+        if np.linalg.norm(matrix) * np.linalg.norm(covariance) > WORST_CONDITION:
+            return None
         right = self._right[:count]
         coefficients = covariance @ right
         square = max(0.0, self._square - float(coefficients @ right))

@@ -62,7 +62,7 @@ class Seed:
     """How far behind another surface is that the pixel may show instead [m]; 0 = there is none"""
 
 
-def samples(depth: Depth, u: float, v: float, radius: float, most: int = 41) -> Samples:
+def samples(depth: Depth, u: float, v: float, radius: float, most: int = 29) -> Samples:
     """Return pixels with depth within a radius [px], thinned so that `most` are in a row."""
     reach = int(np.ceil(radius))
     column, row = int(u), int(v)

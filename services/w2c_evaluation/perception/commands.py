@@ -7,11 +7,11 @@ from typing import Annotated
 import msgspec
 
 from w2c.config import parse
-from w2c_evaluation.perception.report import make_rows, missed
+from w2c_evaluation.perception.report import format_table, make_rows, missed
 from w2c_evaluation.perception.sensors import SensorErrors
 from w2c_evaluation.perception.trial import FIRST_SCENE, SceneResult, run_scene
 from w2c_evaluation.pool import ResultFile, run_all
-from w2c_evaluation.results import make_results, results_table, write_results
+from w2c_evaluation.results import make_results, write_results
 
 
 class PerceptionBenchConfig(msgspec.Struct, frozen=True, kw_only=True):
@@ -59,7 +59,7 @@ def bench(arguments: list[str] | None = None) -> int:
     rows = make_rows([results[scene] for scene in scenes])
     document = make_results("perception", config.seed, rows)
     write_results(document, Path(config.json) if config.json else directory / "results.json")
-    print(results_table(document))
+    print(format_table(document))
     complaints = missed(rows)
     for complaint in complaints:
         print(f"target missed: {complaint}")

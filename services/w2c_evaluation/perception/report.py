@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from w2c_evaluation.perception.trial import SAME_SURFACE, PixelResult, SceneResult
-from w2c_evaluation.results import row
+from w2c_evaluation.results import origin, row
 
 TARGETS = {
     ("all", "point_error_median"): 1.5,
@@ -69,6 +69,21 @@ def _percentile(case: str, metric: str, values: Sequence[float], unit: str) -> d
 def _share(case: str, metric: str, found: Sequence[bool]) -> dict[str, Any]:
     share = float(np.mean(found)) if len(found) else float("nan")
     return row(case, metric, [share], "rate", n=len(found))
+
+
+def format_table(results: dict[str, Any]) -> str:
+    """Return the results as a Markdown table, one line a metric, and where they come from."""
+    rows = results["rows"]
+    cases = list(dict.fromkeys(entry["case"] for entry in rows))
+    values = {(entry["case"], entry["metric"]): entry for entry in rows}
+    head = " | ".join(
+        f"{case.replace('_', ' ')} ({values[case, 'refused']['n']})" for case in cases
+    )
+    lines = [f"| metric | {head} |", "|---" * (len(cases) + 1) + "|"]
+    for metric, unit in dict.fromkeys((entry["metric"], entry["unit"]) for entry in rows):
+        shown = " | ".join(f"{values[case, metric]['value']:.3g}" for case in cases)
+        lines.append(f"| {metric.replace('_', ' ')} [{unit}] | {shown} |")
+    return "\n".join([*lines, "", origin(results)])
 
 
 def missed(rows: Sequence[dict[str, Any]]) -> list[str]:

@@ -214,6 +214,6 @@ def test_the_command_writes_results_and_goes_on(
     document = json.loads((tmp_path / "r.json").read_text())
     assert (document["benchmark"], document["seed"]) == ("perception", 7)
     assert next(r for r in document["rows"] if r["metric"] == "time_median")["n"] == 16
-    assert "point_error_median" in capsys.readouterr().out
+    assert "| point error median [mm] | 1 | 1 |" in capsys.readouterr().out
     with pytest.raises(ConfigError, match="answers"):
         bench([*flags, "--pixels", "5", "--resume"])
