@@ -121,7 +121,7 @@ class Normals:
             return None
         matrix = self._matrix[:count, :count]
         try:
-            covariance: Points = np.linalg.inv(matrix)
+            covariance = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
         except np.linalg.LinAlgError:
             return None
         # Points on a line, or in one spot, leave a slope open.

@@ -79,6 +79,7 @@ def frame(stamp_ns: int, depth: bytes | None = None) -> CameraFrame:
 class Rig:
     """A running node, and the buses of those who talk to it."""
 
+    node: PerceptionNode
     perception: InProcessBus
     robot: InProcessBus
     camera: InProcessBus
@@ -94,9 +95,18 @@ class Rig:
         """Send states around a tick and a picture; return once perception has placed it."""
         views = self.operator.queue(topics.CAMERA_VIEW)
         done = threading.Event()
+        first = state(tick - 10, position, forces)
+
+        def known() -> bool:
+            """Tell whether the robot is described, and its states are taken from before on."""
+            self.robot.publish(topics.ROBOT_STATE, first)
+            track = self.node._track
+            return track is not None and track.newest_ns == first.stamp_ns
+
+        wait_until(known)
 
         def stream() -> None:
-            number = tick - 10
+            number = tick - 9
             while not done.is_set():
                 self.robot.publish(topics.ROBOT_STATE, state(number, position, forces))
                 number += 1
@@ -131,7 +141,7 @@ def rig() -> Iterator[Rig]:
     stop = threading.Event()
     thread = threading.Thread(target=node.run, args=(stop,))
     thread.start()
-    yield Rig(bus, robot, hub.connect("camera"), hub.connect("operator"))
+    yield Rig(node, bus, robot, hub.connect("camera"), hub.connect("operator"))
     stop.set()
     thread.join(10.0)
     node.close()
