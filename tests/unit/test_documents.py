@@ -12,6 +12,7 @@ import pytest
 
 from support.documents import ROOT, commands_of, documents
 from w2c.tables import calls_table, streams_table
+from w2c_evaluation.perception.report import format_table as perception_table
 from w2c_evaluation.results import results_table
 from w2c_sim_robot.scenes.tables import kinds_table
 
@@ -21,10 +22,15 @@ OTHER_PROGRAMS = {"git", "cd", "docker", "curl", "sudo", "python", "scp", "ssh",
 SCENES = ROOT / "docs" / "reference" / "scenes.md"
 REFERENCE = ROOT / "docs" / "reference" / "messages.md"
 RESULTS = ROOT / "docs" / "results" / "demo.json"
+PERCEPTION = ROOT / "docs" / "results" / "perception.json"
 TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),
     "kinds": (SCENES, kinds_table),
+    "perception": (
+        ROOT / "docs" / "how-to" / "perception.md",
+        lambda: perception_table(json.loads(PERCEPTION.read_text())),
+    ),
     "results": (ROOT / "README.md", lambda: results_table(json.loads(RESULTS.read_text()))),
 }
 
