@@ -88,7 +88,8 @@ def test_what_is_found_next_does_not_keep_a_hand_without_support(leaning: Contac
     leaning.run(0.02)
     told = leaning.told()
     leaning.switching.abort("the right foot slips")
-    assert leaning.switching.phase == "unload"
+    leaning.run(leaning.dt)
+    assert leaning.phases[-1] == "unload"
     seconds_until(leaning, lambda: not leaning.retargeting.state.enabled[RIGHT_HAND], 0.5)
     leaning.run(0.1)
     assert leaning.phases[-1] == "hold"
