@@ -1,12 +1,12 @@
 """`python -m w2c_controller.warm`: compile the loop's arithmetic, so that no start waits for it.
 
-Set-up runs it. Compiled code is kept beside its source, one file a function and kind of processor;
-a function whose source is newer is compiled again at the controller's next start, before it
-commands anything.
+Set-up runs it, and it removes what was compiled from older sources. After a change of the sources
+the controller's next start compiles them, before it commands anything.
 """
 
 import sys
 import time
+from pathlib import Path
 
 from w2c.errors import W2CError
 from w2c.library import library
@@ -26,6 +26,8 @@ def main() -> int:
     except W2CError as error:
         _say(f"no description of a robot here ({error}); compiled at the first start")
         return 0
+    package = Path(compiled.__file__).parent
+    compiled.remove_old(compiled.cache_root(package), compiled.source_digest(package))
     _say(f"the controller's arithmetic is compiled ({time.monotonic() - begin:.0f} s)")
     return 0
 

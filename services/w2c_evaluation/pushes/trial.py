@@ -39,6 +39,10 @@ SLIDING = 0.02
 [m/s]."""
 SLIDING_SAMPLES = 5
 """Of the average: 0.1 s."""
+SLIP_SAMPLES = 25
+"""In which a slip must come that far: 0.5 s."""
+LEAST_SLIP = 0.0025
+"""What stops before is a jerk, and is not told [m]."""
 CARRIES = 25.0
 """All through this time; a hand hops about at the touch [N]."""
 
@@ -173,9 +177,10 @@ class Push:
             return 0.0, -1.0
         forces = np.array(self._record.measured[begin:])
         carries = carried(forces)[:, np.newaxis]
-        ways = SAMPLE_TICKS * self._period_s * velocities * carries
+        sample_s = SAMPLE_TICKS * self._period_s
+        ways = sample_s * velocities * carries
         farthest = float(np.linalg.norm(ways.cumsum(axis=0), axis=1).max())
-        sliding = first_slip(velocities, forces)
+        sliding = first_slip(velocities, forces, sample_s)
         if sliding < 0:
             return farthest, -1.0
         if self._told_s < 0.0:
@@ -184,17 +189,21 @@ class Push:
         return farthest, max(self._told_s - began, 0.0)
 
 
-def first_slip(velocities: Array, forces: Array) -> int:
+def first_slip(velocities: Array, forces: Array, period_s: float) -> int:
     """Return the sample at which a slip began, or -1.
 
     Args:
         velocities: (n, 3) of the point that touches, along the surface [m/s].
         forces: (n,) along the normal [N].
+        period_s: Between two samples.
     """
     for last in np.flatnonzero(carried(forces)):
         first = int(last) - SLIDING_SAMPLES + 1
         mean = velocities[first : last + 1].mean(axis=0)
-        if np.linalg.norm(mean) > SLIDING:
+        if np.linalg.norm(mean) <= SLIDING:
+            continue
+        way = period_s * velocities[first : first + SLIP_SAMPLES].cumsum(axis=0)
+        if np.linalg.norm(way, axis=1).max() > LEAST_SLIP:
             return first
     return -1
 

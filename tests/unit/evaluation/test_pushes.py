@@ -112,6 +112,11 @@ def test_a_slip_is_timed_from_its_beginning() -> None:
     assert seconds == pytest.approx(0.22 - 4 * 0.02)  # its average passes 2 cm/s from there on
 
 
+def test_a_jerk_that_stops_by_itself_is_no_slip() -> None:
+    assert slide([0.0] * 5 + [0.024] * 5 + [0.0] * 20, told=-1.0) == pytest.approx((0.0024, -1.0))
+    assert slide([0.0] * 5 + [0.024] * 6 + [0.0] * 20, told=-1.0) == pytest.approx((0.00288, -2.0))
+
+
 def test_a_hand_that_trembles_does_not_slip() -> None:
     assert slide([0.05, -0.05] * 5, told=-1.0) == pytest.approx((0.001, -1.0))
 
@@ -135,5 +140,6 @@ def test_a_far_reach_over_a_slippery_support_ends_with_the_slip(
     found = Push(case("lean_and_reach.friction_0.3_assumed_0.6"), 0, 0).run()
     assert not found.fell
     assert "right hand slips" in found.answer
+    # It creeps, with 1 mm/s and less, and a slip that was fast would have been told at once.
     assert found.slip_seconds <= 0.2
-    assert found.slip < 0.01
+    assert found.slip < 0.015
