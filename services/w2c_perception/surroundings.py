@@ -27,7 +27,8 @@ NOISY = 3.0
 MISSING_SHARE = 0.1
 """A ring of which a larger share is not the surface ends it"""
 ENDED_RINGS = 3
-"""Rings in a row that see past the surface in one direction: it ends there, it is no hole"""
+"""Rings in a row that see past the surface in one direction, or nothing: it ends there, it is no
+hole"""
 
 
 @dataclass(frozen=True)
@@ -85,11 +86,11 @@ def _extent(
 ) -> float:
     """Return the radius before the first ring of which too much is not the surface.
 
-    A place in the picture without depth is a hole of the sensor as long as it is not most of a
-    ring: it does not count against the surface, nor for it.
+    A place in the picture without depth is a hole of the sensor unless rings in a row have none in
+    its direction: it does not count against the surface, nor for it.
     """
     other = ~surface & (known | ~inside)
-    unknown = inside & ~known
+    unknown = _in_a_row(inside & ~known)
     ended = (other.mean(axis=1) > MISSING_SHARE) | (unknown.mean(axis=1) > 3.0 * MISSING_SHARE)
     first = np.flatnonzero(ended)
     return float(radii[first[0]] - RING_STEP) if len(first) else float(radii[-1])
@@ -97,11 +98,7 @@ def _extent(
 
 def _edge(radii: Points, surface: npt.NDArray[np.bool_], past: npt.NDArray[np.bool_]) -> float:
     """Return the distance up to which no direction sees past the surface."""
-    following = np.ones(past.shape[1], bool)
-    runs = past.copy()
-    for shift in range(1, ENDED_RINGS):
-        runs[:-shift] &= past[shift:]
-        runs[-shift:] &= following
+    runs = _in_a_row(past)
     nearest = LARGEST
     for direction in np.flatnonzero(runs.any(axis=0)):
         ended = int(np.argmax(runs[:, direction]))
@@ -109,6 +106,14 @@ def _edge(radii: Points, surface: npt.NDArray[np.bool_], past: npt.NDArray[np.bo
         before = np.flatnonzero(surface[:ended, direction])
         nearest = min(nearest, float(radii[before[-1]]) if len(before) else 0.0)
     return nearest
+
+
+def _in_a_row(flags: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return where flags (rings, directions) hold for some rings in a row, or up to the last."""
+    runs = flags.copy()
+    for shift in range(1, ENDED_RINGS):
+        runs[:-shift] &= flags[shift:]
+    return runs
 
 
 def circle(normal: Vector) -> Points:

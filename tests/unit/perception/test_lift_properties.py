@@ -117,6 +117,8 @@ def test_a_ball_is_touched_on_its_skin(radius: float, sigma: float) -> None:
 
 @SOME
 @given(holes=st.floats(0.0, 0.2), sigma=st.floats(0.0, 0.003), seed=st.integers(0, 1000))
+@example(holes=0.125, sigma=0.0, seed=502)
+@example(holes=0.2, sigma=0.0, seed=518)
 def test_scattered_holes_change_nothing(holes: float, sigma: float, seed: int) -> None:
     depth = noisy(TABLE, sigma, seed)
     rng = np.random.default_rng(seed)
