@@ -23,7 +23,19 @@ SCENES = ROOT / "docs" / "reference" / "scenes.md"
 REFERENCE = ROOT / "docs" / "reference" / "messages.md"
 RESULTS = ROOT / "docs" / "results" / "demo.json"
 PERCEPTION = ROOT / "docs" / "results" / "perception.json"
+CONTROL = ROOT / "docs" / "results" / "control.json"
+
+
+def control_table() -> str:
+    """Return what whole ticks take; the results file has their parts too."""
+    results = json.loads(CONTROL.read_text())
+    whole = ("tick_cpu_median", "tick_cpu_p99")
+    rows = [row for row in results["rows"] if row["metric"] in whole]
+    return results_table({**results, "rows": rows})
+
+
 TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
+    "control": (ROOT / "docs" / "how-to" / "benchmarks.md", control_table),
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),
     "kinds": (SCENES, kinds_table),
