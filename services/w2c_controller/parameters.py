@@ -155,6 +155,11 @@ class Motion:
     air_bump_force: float = 35.0
     """The same on the way, where an arm that swings reads up to 15 N of its own in its joints when
     ticks come late [N]"""
+    air_bump_time: float = 0.12
+    """For which it must be felt [s]: an arm whose command stood still for a while and then goes on
+    is jerked, and swings back within a tenth of a second"""
+    air_bump_hard: float = 3.0
+    """So many times that force stops at once"""
     foot_bump_force: float = 40.0
     bump_retreat: float = 0.002
     """How far it then backs off along the normal [m]."""

@@ -80,7 +80,10 @@ class InAir(Phases):
         limit = motion.bump_force if at_target else motion.air_bump_force
         share = 0.0 if at_target else self._tare_share
         force = self.feelers.feel(k, measured, limit, share)
-        return self._bumped(force, limit) if force > limit else None
+        self._felt = self._felt + self._sense_period if force > limit else 0.0
+        stops = self._felt > (0.0 if at_target else motion.air_bump_time)
+        stops |= force > motion.air_bump_hard * limit
+        return self._bumped(force, limit) if stops else None
 
     def _bumped(self, force: float, limit: float) -> Finding | None:
         """Hold what touched something on its way: it reaches, it does not push."""

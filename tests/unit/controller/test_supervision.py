@@ -257,6 +257,21 @@ def test_a_hand_on_its_way_to_a_contact_that_touches_something_stays_there(
     assert np.linalg.norm(world.hands.position(RIGHT_HAND) - where) < 0.01
 
 
+def test_an_arm_that_is_jerked_touches_nothing(model: ControlledModel, joints: Array) -> None:
+    world = ContactWorld(model, joints, {RIGHT_HAND: TABLE})
+    world.switching.place(make_goal(BOOK))
+    world.run(1.0)
+    for _ in range(3):
+        world.extra[RIGHT_HAND] = [-45.0, 0.0, 0.0]
+        world.run(0.1)
+        world.extra[RIGHT_HAND] = 0.0
+        world.run(0.1)
+    assert world.findings == []
+    world.extra[RIGHT_HAND] = [-110.0, 0.0, 0.0]
+    world.run(0.03)
+    assert [finding.cause for finding in world.findings] == ["contact_unexpected"]
+
+
 def test_weight_that_shifts_slowly_in_the_air_is_no_touch(
     model: ControlledModel, joints: Array
 ) -> None:
