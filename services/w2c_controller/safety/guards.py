@@ -1,8 +1,8 @@
-"""What is checked of each state and of each command, before anything is computed from it or sent.
+"""What is checked of each state before anything is computed from it; of commands: `restraint`.
 
 All readings of a state stand in one vector. One compiled pass over it finds what is not finite,
 what is beyond its limits for too long, and whether anything changes at all. Measurements are used
-at every fourth tick, and looked at whenever they are used; commands are looked at at each.
+at every fourth tick, and looked at whenever they are used.
 """
 
 import math
@@ -127,7 +127,7 @@ NOTHING: Sequence[Hazard] = ()
 
 
 class Guards:
-    """Looks at states, commands and loads. Remembers what it needs to tell a spike from a fault."""
+    """Looks at states, loads and solutions. Remembers enough to tell a spike from a fault."""
 
     def __init__(
         self, description: RobotDescription, joints: JointLimits, limits: GuardLimits, dt: float
