@@ -13,7 +13,7 @@ import numpy.typing as npt
 from w2c.geometry import Intrinsics, Matrix, apply
 from w2c_perception.fitness import Demands
 from w2c_perception.heights import on_arms
-from w2c_perception.patch import Points, rays
+from w2c_perception.patch import Points
 from w2c_perception.window import USUAL_NOISE, Depth
 
 SAMPLE_STEP = 4
@@ -82,7 +82,7 @@ def allowed_cells(
     half = SAMPLE_STEP // 2
     z = depth[half::SAMPLE_STEP, half::SAMPLE_STEP].astype(np.float64)
     rows, columns = np.mgrid[0 : z.shape[0], 0 : z.shape[1]]
-    along = rays(intrinsics, columns * SAMPLE_STEP + half + 0.5, rows * SAMPLE_STEP + half + 0.5)
+    along = intrinsics.rays(columns * SAMPLE_STEP + half + 0.5, rows * SAMPLE_STEP + half + 0.5)
     seen = z > 0.0
     safe, near_seen = _bridged(z, seen)
     radius = demands.radius * intrinsics.fx / (safe * SAMPLE_STEP)

@@ -8,7 +8,6 @@ import numpy.typing as npt
 
 from w2c.errors import MessageError, RefusedError
 from w2c.geometry import Intrinsics, Matrix, apply
-from w2c_perception.patch import rays
 from w2c_perception.window import Depth
 
 Colours = npt.NDArray[np.uint8]
@@ -85,7 +84,7 @@ def point_cloud(
     thinned = depth[::stride, ::stride]
     rows, columns = np.nonzero(thinned > 0.0)
     z = thinned[rows, columns].astype(np.float64)
-    along = rays(intrinsics, columns * stride + 0.5, rows * stride + 0.5)
+    along = intrinsics.rays(columns * stride + 0.5, rows * stride + 0.5)
     points = apply(world_from_camera, z[:, None] * along)
     inside = ((points >= box.low) & (points < box.high)).all(axis=1)
     points = points[inside]

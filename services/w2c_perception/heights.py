@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import Intrinsics, Matrix, apply
-from w2c_perception.patch import Points, rays
+from w2c_perception.patch import Points
 from w2c_perception.window import Depth
 
 Heights = npt.NDArray[np.float32]
@@ -80,7 +80,7 @@ def _points(depth: Depth, intrinsics: Intrinsics, world_from_camera: Matrix) -> 
     thinned = depth[::stride, ::stride]
     rows, columns = np.nonzero(thinned > 0.0)
     z = thinned[rows, columns].astype(np.float64)
-    along = rays(intrinsics, columns * stride + 0.5, rows * stride + 0.5)
+    along = intrinsics.rays(columns * stride + 0.5, rows * stride + 0.5)
     return apply(world_from_camera, z[:, None] * along)
 
 

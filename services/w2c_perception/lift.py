@@ -12,7 +12,6 @@ import numpy as np
 from w2c.errors import RefusedError
 from w2c.geometry import Intrinsics, Matrix, Vector, apply
 from w2c_perception.growing import Piece, grow
-from w2c_perception.patch import rays
 from w2c_perception.surroundings import Surroundings, look_around
 from w2c_perception.window import SMALLEST_NOISE, Depth, Seed, find_seed, noise, samples
 
@@ -158,7 +157,7 @@ def _blur_error(
     if blur <= 0.0:
         return 0.0
     found = samples(depth, u, v, max(1.0, blur))
-    seen = found.z[:, None] * rays(intrinsics, found.u, found.v)
+    seen = found.z[:, None] * intrinsics.rays(found.u, found.v)
     away = np.linalg.norm(seen - point, axis=1)
     return float(away.max()) if len(away) else 0.0
 
@@ -174,7 +173,7 @@ def _flatness(
     """Return how uneven the surface is inside the footprint [m]."""
     u, v = intrinsics.pixel_from_point(point)
     found = samples(depth, u, v, max(3.0, footprint * intrinsics.fx / float(point[2])))
-    along = rays(intrinsics, found.u, found.v)
+    along = intrinsics.rays(found.u, found.v)
     facing = along @ normal
     inside = np.linalg.norm(found.z[:, None] * along - point, axis=1) <= footprint
     off = (found.z * facing - float(normal @ point))[inside]

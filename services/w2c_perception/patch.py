@@ -73,15 +73,6 @@ class Patch:
         return terms(u, v, (self.u, self.v), self.scale, self.coefficients.size)
 
 
-def rays(intrinsics: Intrinsics, u: npt.ArrayLike, v: npt.ArrayLike) -> Points:
-    """Return the rays (..., 3) with z = 1 through pixels, in the camera frame."""
-    x = (np.asarray(u, dtype=np.float64) - intrinsics.cx) / intrinsics.fx
-    y = (np.asarray(v, dtype=np.float64) - intrinsics.cy) / intrinsics.fy
-    result = np.empty((*x.shape, 3))
-    result[..., 0], result[..., 1], result[..., 2] = x, y, 1.0
-    return result
-
-
 def terms(
     u: npt.ArrayLike, v: npt.ArrayLike, middle: tuple[float, float], scale: float, count: int
 ) -> Points:

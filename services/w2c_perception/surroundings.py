@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import Intrinsics, Vector, frame_from_normal
-from w2c_perception.patch import rays
 from w2c_perception.window import Depth, Points
 
 LARGEST = 0.25
@@ -68,7 +67,7 @@ def look_around(
     ].astype(np.float64)
     known = inside & (measured > 0.0)
     # Where the ray of that pixel meets the plane, against what was measured along it.
-    facing = rays(intrinsics, columns + 0.5, rows + 0.5) @ normal
+    facing = intrinsics.rays(columns + 0.5, rows + 0.5) @ normal
     above = measured * facing - float(normal @ point)  # towards the camera [m]
     # Noise of depth is noise along the normal as far as the ray goes along the normal.
     growth = (z / float(point[2])) ** 2

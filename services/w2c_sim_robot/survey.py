@@ -26,12 +26,10 @@ from w2c.geometry import (
 )
 from w2c.messages import Array
 from w2c_sim_robot import talos
+from w2c_sim_robot.head_camera import cast_rays, world_from_camera
 from w2c_sim_robot.model import (
     CAMERA_FOVY_DEG,
     CAMERA_SIZE,
-    HEAD_CAMERA,
-    ROBOT_GROUP,
-    WORLD_GROUP,
     build_model,
 )
 from w2c_sim_robot.scenes.random_scene import random_scene
@@ -142,10 +140,7 @@ class _Surveyor:
         self._model = build_model(scene)
         self._data = mujoco.MjData(self._model)
         self._position = self._pose()
-        camera = self._data.camera(HEAD_CAMERA)
-        # MuJoCo's cameras look along -z with y up.
-        self._rotation = camera.xmat.reshape(3, 3) @ np.diag([1.0, -1.0, -1.0])
-        self._eye = np.array(camera.xpos)
+        self._world_from_camera = world_from_camera(self._data)
 
     def survey(self, count: int) -> Survey:
         """Look at all pixels, and closer at some."""
@@ -159,7 +154,7 @@ class _Surveyor:
             position=self._position,
             intrinsics=self._intrinsics,
             depth=depth.reshape(self._height, self._width).astype(np.float32),
-            world_from_camera=transform(self._rotation, self._eye),
+            world_from_camera=self._world_from_camera,
             pixels=pixels,
             points=points,
             normals=normals,
@@ -181,45 +176,16 @@ class _Surveyor:
         depth, normals, geoms = self._cast(pixels)
         off_robot = np.flatnonzero(self._owners(geoms) != ROBOT)[:count]
         pixels, depth = pixels[off_robot], depth[off_robot]
-        points = depth[:, None] * self._rays(pixels)
+        points = depth[:, None] * self._intrinsics.rays(*pixels.T)
         points[depth <= 0.0] = np.nan
         return pixels, points, normals[off_robot], geoms[off_robot]
 
-    def _rays(self, pixels: Array) -> Array:
-        """Return rays (k, 3) with z = 1 through pixels (k, 2), in the camera frame."""
-        fx, fy, cx, cy = self._intrinsics
-        return np.column_stack(
-            [(pixels[:, 0] - cx) / fx, (pixels[:, 1] - cy) / fy, np.ones(len(pixels))]
-        )
-
     def _cast(self, pixels: Array) -> tuple[Array, Array, Array]:
         """Return z-depths (k,) [m], 0 = nothing; normals (k, 3) in the camera frame; geoms (k,)."""
-        rays = self._rays(pixels)
-        lengths = np.linalg.norm(rays, axis=1)
-        in_world = (rays / lengths[:, None]) @ self._rotation.T
-        count = len(pixels)
-        geoms, distances = np.zeros(count, np.int32), np.zeros(count)
-        normals = np.zeros(3 * count)
-        groups = np.zeros(6, np.uint8)
-        groups[[WORLD_GROUP, ROBOT_GROUP]] = 1
-        mujoco.mj_multiRay(
-            self._model,
-            self._data,
-            self._eye,
-            in_world.ravel(),
-            groups,
-            1,
-            -1,
-            geoms,
-            distances,
-            normals,
-            count,
-            FARTHEST,
-        )
-        depth = np.where(distances > 0.0, distances / lengths, 0.0)
-        in_camera = normals.reshape(-1, 3) @ self._rotation
-        towards = np.where(np.sum(in_camera * rays, axis=1) > 0.0, -1.0, 1.0)
-        return depth, towards[:, None] * in_camera, geoms
+        hits = cast_rays(self._model, self._data, self._intrinsics, pixels, FARTHEST)
+        forward = hits.rays @ self._world_from_camera[:3, 2]
+        depth = np.where(hits.distances > 0.0, hits.distances * forward, 0.0)
+        return depth, hits.normals @ self._world_from_camera[:3, :3], hits.geoms
 
     def _owners(self, geoms: Array) -> Array:
         """Return the names (k,) of the things that geoms (k,) belong to; -1 is the room too."""

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from w2c.errors import ConfigError
 from w2c.geometry import (
@@ -25,13 +24,11 @@ from w2c.geometry import (
 )
 from w2c.messages import Array
 from w2c_sim_robot import talos
+from w2c_sim_robot.head_camera import Hits, cast_rays, world_from_camera
 from w2c_sim_robot.model import (
     CAMERA_FOVY_DEG,
     CAMERA_SIZE,
-    HEAD_CAMERA,
     ROBOT_CONTYPE,
-    ROBOT_GROUP,
-    WORLD_GROUP,
     build_spec,
     ready_configuration,
 )
@@ -42,8 +39,6 @@ FARTHEST = 20.0
 """Nothing is looked for beyond [m]."""
 FLOOR = "floor"
 ROBOT = "robot"
-_FROM_MUJOCO = np.diag([1.0, -1.0, -1.0])
-"""A camera of MuJoCo looks along -z with y up, an optical frame along z with y down"""
 
 
 @dataclass(frozen=True)
@@ -87,8 +82,6 @@ class Witness:
         self._names = names
         self._owners = [ROBOT if own else name for own, name in zip(robot, names, strict=True)]
         self._robot = robot
-        self._visible = np.zeros(6, np.uint8)
-        self._visible[[WORLD_GROUP, ROBOT_GROUP]] = 1  # what the head camera's pictures show
         self._natural: dict[tuple[str, str], float] = {}
         self.pose(ready_configuration(model))
         self._natural = {
@@ -159,8 +152,7 @@ class Witness:
 
     def world_from_camera(self) -> Matrix:
         """Return the (4, 4) pose of the optical frame: x right, y down, z forward."""
-        camera = self._data.camera(HEAD_CAMERA)
-        return transform(camera.xmat.reshape(3, 3) @ _FROM_MUJOCO, camera.xpos)
+        return world_from_camera(self._data)
 
     def project(self, point: Vector) -> tuple[float, float] | None:
         """Return the pixel of a point (3,) of the world; None where it is not in the picture."""
@@ -177,13 +169,8 @@ class Witness:
         if index < 0:
             return None
         origin = self.world_from_camera()[:3, 3]
-        way = found.rays[0]
-        normal = found.normals[0]
-        return Surface(
-            self._owner(index),
-            origin + found.distances[0] * way,
-            normal if normal @ way < 0.0 else -normal,
-        )
+        point = origin + found.distances[0] * found.rays[0]
+        return Surface(self._owner(index), point, found.normals[0])
 
     def owners(self, pixels: Array) -> list[str]:
         """Return what pixels (n, 2) of the head camera show: as `Surface.owner`, "" = nothing."""
@@ -212,39 +199,6 @@ class Witness:
     def _owner(self, geom: int) -> str:
         return self._owners[int(self._model.geom_bodyid[geom])]
 
-    def _cast(self, pixels: Array) -> _Hits:
+    def _cast(self, pixels: Array) -> Hits:
         """Look along the rays of pixels (n, 2)."""
-        fx, fy, cx, cy = self.intrinsics
-        world_from_camera = self.world_from_camera()
-        in_camera = np.column_stack(
-            [(pixels[:, 0] - cx) / fx, (pixels[:, 1] - cy) / fy, np.ones(len(pixels))]
-        )
-        rays = in_camera @ world_from_camera[:3, :3].T
-        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-        count = len(rays)
-        geoms = np.full(count, -1, np.int32)
-        distances, normals = np.zeros(count), np.zeros(3 * count)
-        mujoco.mj_multiRay(
-            self._model,
-            self._data,
-            world_from_camera[:3, 3],
-            rays.ravel(),
-            self._visible,
-            True,
-            -1,
-            geoms,
-            distances,
-            normals,
-            count,
-            FARTHEST,
-        )
-        geoms[distances < 0.0] = -1
-        return _Hits(rays, geoms, distances, normals.reshape(-1, 3))
-
-
-@dataclass(frozen=True)
-class _Hits:
-    rays: npt.NDArray[np.float64]
-    geoms: npt.NDArray[np.int32]
-    distances: npt.NDArray[np.float64]
-    normals: npt.NDArray[np.float64]
+        return cast_rays(self._model, self._data, self.intrinsics, pixels, FARTHEST)

@@ -37,6 +37,14 @@ class Intrinsics(NamedTuple):
         """Return the point (3,) in the camera frame at this z-depth [m]."""
         return np.array([(u - self.cx) / self.fx * depth, (v - self.cy) / self.fy * depth, depth])
 
+    def rays(self, u: npt.ArrayLike, v: npt.ArrayLike) -> Matrix:
+        """Return the rays (..., 3) with z = 1 through pixels (...), in the camera frame."""
+        x = (np.asarray(u, dtype=np.float64) - self.cx) / self.fx
+        y = (np.asarray(v, dtype=np.float64) - self.cy) / self.fy
+        result = np.empty((*x.shape, 3))
+        result[..., 0], result[..., 1], result[..., 2] = x, y, 1.0
+        return result
+
 
 def intrinsics_from_fov(width: int, height: int, vertical_fov_rad: float) -> Intrinsics:
     """Return the intrinsics of a camera with square pixels and a centred axis."""

@@ -4,7 +4,6 @@ import numpy as np
 
 from w2c.geometry import Intrinsics, Matrix, Vector, transform, unit
 from w2c.messages import Array
-from w2c_perception.patch import rays
 from w2c_perception.window import Depth
 
 WIDTH, HEIGHT = 320, 240
@@ -19,7 +18,7 @@ WORLD_FROM_CAMERA: Matrix = transform(
 def all_rays() -> Vector:
     """Return the ray (h, w, 3) of every pixel, in the camera frame, z = 1."""
     rows, columns = np.mgrid[0:HEIGHT, 0:WIDTH].astype(float)
-    return rays(CAMERA, columns + 0.5, rows + 0.5)
+    return CAMERA.rays(columns + 0.5, rows + 0.5)
 
 
 def depth_of(normal: Vector, point: Vector) -> Vector:

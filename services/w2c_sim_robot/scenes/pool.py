@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from w2c_sim_robot import talos
 from w2c_sim_robot.camera.renderer import Image, Renderer
+from w2c_sim_robot.head_camera import world_from_camera
 from w2c_sim_robot.model import HEAD_CAMERA, HEAD_SHELL_GROUP, build_model, ready_configuration
 from w2c_sim_robot.scenes.assets import Asset, random_assets
 from w2c_sim_robot.scenes.build import VISUAL_GROUP, colour_of, light_colour, paints_of
@@ -74,11 +75,7 @@ class Pool:
         image = self._renderer.draw(self._data, HEAD_CAMERA, hidden_groups=hidden, shadows=shadows)
         geoms, depth = self._renderer.survey(self._data, HEAD_CAMERA, hidden_groups=hidden)
         image = Image(image.rgb, depth)
-        camera = self._data.camera(HEAD_CAMERA)
-        pose = np.eye(4)
-        # MuJoCo's cameras look along -z with y up.
-        pose[:3, :3] = camera.xmat.reshape(3, 3) @ np.diag([1.0, -1.0, -1.0])
-        pose[:3, 3] = camera.xpos
+        pose = world_from_camera(self._data)
         identity = self._identity_of_geom(scene)[geoms]
         return Shot(image, identity, self._part_of_geom(scene)[geoms], pose, float(fov))
 

@@ -5,7 +5,6 @@ import numpy as np
 from fakes.table_picture import CAMERA, HEIGHT, WIDTH, camera_pose
 from w2c.messages import Array
 from w2c_perception.heights import ARM_RADIUS, Area, Heights, height_field
-from w2c_perception.patch import rays
 from w2c_perception.window import Depth
 
 TABLE = 0.75
@@ -18,7 +17,7 @@ POSE = camera_pose()
 def _picture(*boxes: tuple[Array, Array]) -> Depth:
     """Return the depth (h, w) of a table without end and boxes, by casting rays."""
     rows, columns = np.mgrid[0:HEIGHT, 0:WIDTH].astype(np.float64)
-    in_camera = rays(CAMERA, columns + 0.5, rows + 0.5)
+    in_camera = CAMERA.rays(columns + 0.5, rows + 0.5)
     direction = in_camera @ POSE[:3, :3].T
     origin = POSE[:3, 3]
     with np.errstate(divide="ignore", invalid="ignore"):
