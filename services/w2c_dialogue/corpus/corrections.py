@@ -38,7 +38,7 @@ def correction(draw: Draw) -> Correction:
     return Correction(draft, "target.u", "target.v")
 
 
-def _term(symbol: str, sign: int, size: str) -> str:
+def term(symbol: str, sign: int, size: str) -> str:
     """Return `target.u+40`, or the symbol alone where the sign is 0."""
     return symbol + {0: "", 1: "+", -1: "-"}[sign] + (size if sign else "")
 
@@ -95,7 +95,7 @@ def _direction(draw: Draw) -> Correction:
     way = draw.pick(tuple(WAYS))
     said, size = _sized_direction(draw, way)
     du, dv = WAYS[way]
-    x, y = _term("target.u", du, size), _term("target.v", dv, size)
+    x, y = term("target.u", du, size), term("target.v", dv, size)
     return Correction(_finish(draw, said, {}), x, y)
 
 
@@ -120,8 +120,8 @@ def _diagonal(draw: Draw) -> Correction:
         other, size_other = _sized_direction(draw, second)
         link = draw.pick((" and ", ", ", " and then ", ", then ", " and also ", " then "))
         text, sizes = f"{one}{link}{other}", {first: size_one, second: size_other}
-    x = _term("target.u", WAYS[across][0], sizes[across])
-    y = _term("target.v", WAYS[along][1], sizes[along])
+    x = term("target.u", WAYS[across][0], sizes[across])
+    y = term("target.v", WAYS[along][1], sizes[along])
     return Correction(_finish(draw, text, {}), x, y)
 
 
@@ -137,7 +137,7 @@ def _history(draw: Draw) -> Correction:
         said = text.format(draw.pick(words.TO[way]))
         said += draw.pick(("", " as before", "", " as last time"))
         size = "last.size" if factor == "1" else f"{factor}*last.size"
-        x, y = _term("target.u", du, size), _term("target.v", dv, size)
+        x, y = term("target.u", du, size), term("target.v", dv, size)
         return Correction(_finish(draw, said, {}), x, y, 1)
     if roll < 0.92:
         draft = _finish(draw, draw.pick(words.START), {}, bare=1.0)
@@ -224,7 +224,7 @@ def _object_sized(draw: Draw, a: str, things: dict[str, str]) -> Correction:
     length, to = f"{said} {measure} of {a}", draw.pick(words.TO[way])
     text = draw.pick((f"by {length} {to}", f"{length} {to}", f"{to} by {length}"))
     size = f"{share}a.{measure}"
-    x, y = _term("target.u", du, size), _term("target.v", dv, size)
+    x, y = term("target.u", du, size), term("target.v", dv, size)
     return Correction(_finish(draw, text, things, bare=0.2), x, y)
 
 

@@ -12,6 +12,12 @@ from w2c_dialogue.corpus.confirmations import confirmation
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.noise import disturb
+from w2c_dialogue.corpus.written import (
+    KIND_OF_MODULE,
+    written_correction,
+    written_instruction,
+    written_words,
+)
 from w2c_dialogue.prompts.base import MODULES, CorrectionScene, Move, Question, SceneObject
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
 from w2c_dialogue.utterance import Mention, Utterance
@@ -28,6 +34,8 @@ SHARES = (
 """How often each task; pointing at words is the hardest to learn, choosing the easiest."""
 PLAIN_SHARE = 0.45
 """How many instructions are in few words and without slips."""
+WRITTEN_SHARE = 0.5
+"""How many sentences follow one that was written by hand; the others are drawn from grammar."""
 WIDTH, HEIGHT = 1280.0, 720.0
 
 
@@ -71,15 +79,20 @@ def _cut(draft: Draft, draw: Draw, *, plain: bool = False) -> tuple[Utterance, l
 def _instruction(
     draw: Draw, relative: float = 0.5
 ) -> tuple[instructions.Instruction, Utterance, list[Mention]]:
-    plain = draw.chance(PLAIN_SHARE)
     kind = "relative" if draw.chance(relative) else "absolute"
+    if draw.chance(WRITTEN_SHARE):
+        made = written_instruction(draw, kind)
+        return made, *_cut(made.draft, draw)
+    plain = draw.chance(PLAIN_SHARE)
     made = instructions.instruction(draw, kind, plain=plain)
     return made, *_cut(made.draft, draw, plain=plain)
 
 
 def _select(draw: Draw) -> Example:
     module = draw.pick(MODULES)
-    if module == "prediction":
+    if draw.chance(WRITTEN_SHARE):
+        utterance, _ = _cut(written_words(draw, KIND_OF_MODULE[module]), draw)
+    elif module == "prediction":
         vague = draw.chance(0.04)
         utterance = _cut(instructions.vague(draw), draw)[0] if vague else _instruction(draw)[1]
     elif module == "correction":
@@ -99,8 +112,12 @@ def _analyze(draw: Draw) -> Example:
     return _example(PROMPTS.analyze(utterance), answer_text(answer))
 
 
+def _correction(draw: Draw) -> corrections.Correction:
+    return written_correction(draw) if draw.chance(WRITTEN_SHARE) else corrections.correction(draw)
+
+
 def _objects(draw: Draw) -> Example:
-    utterance, mentions = _cut(corrections.correction(draw).draft, draw)
+    utterance, mentions = _cut(_correction(draw).draft, draw)
     answer = {"objects": [str(m.span) for m in mentions]}
     return _example(PROMPTS.objects(utterance), answer_text(answer))
 
@@ -113,7 +130,7 @@ def _relative(draw: Draw) -> Example:
 
 
 def _correct(draw: Draw) -> Example:
-    made = corrections.correction(draw)
+    made = _correction(draw)
     utterance, mentions = _cut(made.draft, draw)
     moves = tuple(_move(draw) for _ in range(made.needs_past + draw.below(4)))
     scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), moves, (), (), 10.0)
