@@ -18,6 +18,7 @@ from starlette.staticfiles import StaticFiles
 from w2c.clock import Clock
 from w2c.errors import DeadlineError, MessageError, RefusedError, UnavailableError, W2CError
 from w2c.messages import ConfirmRequest, PointRequest, SayRequest
+from w2c.messages.base import RobotBoot
 from w2c_console.guard import Guard
 from w2c_console.operator import Operator
 from w2c_console.sockets import ConsoleView, Streams
@@ -41,6 +42,7 @@ class SayBody(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     text: Annotated[str, msgspec.Meta(min_length=1, max_length=500)]
     frame_stamp: StampText
+    robot_boot: RobotBoot = ""
     target_id: Annotated[str, msgspec.Meta(max_length=100)] = ""
 
 
@@ -56,6 +58,7 @@ class PointBody(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     u: Annotated[float, msgspec.Meta(ge=0, le=8192)]
     v: Annotated[float, msgspec.Meta(ge=0, le=8192)]
     frame_stamp: StampText
+    robot_boot: RobotBoot = ""
 
 
 class ErrorBody(msgspec.Struct, frozen=True):
@@ -79,7 +82,10 @@ class Requests:
         body = await _body(request, SayBody)
         self._view.pin(int(body.frame_stamp))
         say = SayRequest(
-            text=body.text, frame_stamp_ns=int(body.frame_stamp), target_id=body.target_id
+            text=body.text,
+            frame_stamp_ns=int(body.frame_stamp),
+            robot_boot_id=body.robot_boot,
+            target_id=body.target_id,
         )
         return await _answer(self._operator.say, say)
 
@@ -92,7 +98,12 @@ class Requests:
         """Forward a click, with the picture that was clicked."""
         body = await _body(request, PointBody)
         self._view.pin(int(body.frame_stamp))
-        point = PointRequest(u=body.u, v=body.v, frame_stamp_ns=int(body.frame_stamp))
+        point = PointRequest(
+            u=body.u,
+            v=body.v,
+            frame_stamp_ns=int(body.frame_stamp),
+            robot_boot_id=body.robot_boot,
+        )
         return await _answer(self._operator.point, point)
 
     async def stop(self, _: Request) -> Response:

@@ -149,6 +149,7 @@ class ConsoleModel:
         return PictureHeader(
             sequence=0 if frame is None else frame.sequence,
             stamp="-1" if frame is None else str(frame.stamp_ns),
+            robot_boot="" if frame is None else frame.robot_boot_id,
             width=0 if frame is None else frame.width,
             height=0 if frame is None else frame.height,
             age_s=0.0 if frame is None else (now_ns - frame.arrived_ns) * 1e-9,

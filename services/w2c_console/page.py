@@ -34,6 +34,8 @@ class PictureHeader(msgspec.Struct, frozen=True):
     sequence: int
     """Of the picture, since the console started; 0: there is none yet"""
     stamp: str
+    robot_boot: str
+    """Of the robot in the picture: goes back with what is said about it; "" = not known"""
     width: int
     height: int
     age_s: float

@@ -37,6 +37,8 @@ class Frame:
     jpeg: bytes
     arrived_ns: int
     """Clock of the console [ns]"""
+    robot_boot_id: str = ""
+    """Of the robot in it; "" = not known"""
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,8 @@ class FrameHistory:
     def add_frame(self, message: CameraFrame, arrived_ns: int) -> None:
         """Take a new picture in."""
         newest = self.newest
-        if newest is not None and message.stamp_ns < newest.stamp_ns:
-            # Robot time went back: it restarted, and old stamps may come again with other contents.
+        if newest is not None and _began_anew(newest, message):
+            # Old stamps may come again with other contents.
             self._frames.clear()
             self._pinned.clear()
             self._views.clear()
@@ -82,6 +84,7 @@ class FrameHistory:
             message.height,
             message.jpeg,
             arrived_ns,
+            message.robot_boot_id,
         )
         _trim(self._frames, FRAMES_KEPT)
 
@@ -104,7 +107,10 @@ class FrameHistory:
 
     def view(self, stamp_ns: int) -> CameraView | None:
         """Return where the camera was at this picture, if that is known."""
-        return self._views.get(stamp_ns)
+        view, frame = self._views.get(stamp_ns), self.get(stamp_ns)
+        if view is None or frame is None:
+            return view
+        return view if _same(view.robot_boot_id, frame.robot_boot_id) else None
 
     def newest_with_view(self, patience_ns: int) -> Frame | None:
         """Return the newest picture whose camera pose is known, unless it is too old."""
@@ -112,7 +118,7 @@ class FrameHistory:
         for frame in reversed(self._frames.values()):
             if newest is None or newest.stamp_ns - frame.stamp_ns > patience_ns:
                 return None
-            if frame.stamp_ns in self._views:
+            if self.view(frame.stamp_ns) is not None:
                 return frame
         return None
 
@@ -149,6 +155,18 @@ def project(view: CameraView, target: Target) -> tuple[float, float] | None:
         return None
     inside = 0 <= u < view.width and 0 <= v < view.height
     return (float(u), float(v)) if inside else None
+
+
+def _same(boot_id: str, other: str) -> bool:
+    """Tell whether two boot ids may be of one process: one that is not known may be any."""
+    return not boot_id or not other or boot_id == other
+
+
+def _began_anew(newest: Frame, message: CameraFrame) -> bool:
+    """Tell whether a picture is the first of a robot that started anew."""
+    if newest.robot_boot_id and message.robot_boot_id:
+        return newest.robot_boot_id != message.robot_boot_id
+    return message.stamp_ns < newest.stamp_ns
 
 
 def _on_own_frame(frame: Frame, target: Target) -> Scene:

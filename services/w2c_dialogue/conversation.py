@@ -200,6 +200,14 @@ class Conversation:
         self.goal = replace(goal, since_ns=now_ns)
         return None
 
+    def abandon_shown(self, reason: str) -> Target:
+        """Give up the target on the screen. Raises RefusedError where there is none."""
+        target = msgspec.structs.replace(
+            self.require_shown().target, state="abandoned", warning=reason
+        )
+        self.shown = None
+        return target
+
     def abandon_goal(self, reason: str) -> Target:
         """Give up the goal that is under way."""
         if self.goal is None:

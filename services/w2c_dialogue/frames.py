@@ -11,16 +11,26 @@ from w2c.errors import GeometryError, RefusedError
 from w2c.messages import Array, CameraView
 from w2c_dialogue.interfaces import Frame
 
+RESTARTED = (
+    "The robot started anew since that picture was taken: it may stand elsewhere now. Look at the "
+    "live picture, then name the place again."
+)
+"""Why nothing comes of a picture, for the operator"""
 KEPT_FRAMES = 100
 """Half a minute at 3 frames a second; a JPEG is about 200 kB, depth is not kept."""
 DEFAULT_PIXELS_PER_CM = 10.0
 
 
 class FrameStore:
-    """Frames by stamp, with the camera's pose where it is known. Thread-safe."""
+    """Frames of one robot by stamp, with the camera's pose where it is known. Thread-safe.
+
+    A robot that starts anew counts time from zero again: with its first picture all that came
+    before is forgotten.
+    """
 
     def __init__(self, kept: int = KEPT_FRAMES) -> None:
         self._kept = kept
+        self._boot_id = ""
         self._frames: OrderedDict[int, Frame] = OrderedDict()
         self._views: OrderedDict[int, CameraView] = OrderedDict()
         self._changed = threading.Condition()
@@ -28,6 +38,9 @@ class FrameStore:
     def add_frame(self, frame: Frame) -> None:
         """Keep a picture, and forget the oldest."""
         with self._changed:
+            if self._began_anew(frame):
+                self._frames.clear()
+            self._boot_id = frame.robot_boot_id or self._boot_id
             self._frames[frame.stamp_ns] = frame
             while len(self._frames) > self._kept:
                 self._frames.popitem(last=False)
@@ -41,13 +54,25 @@ class FrameStore:
                 self._views.popitem(last=False)
             self._changed.notify_all()
 
-    def find(self, stamp_ns: int, wait_s: float = 0.0) -> Frame:
+    def current(self, frame: Frame) -> bool:
+        """Tell whether a picture is of the robot that sends now, as far as both are known."""
+        with self._changed:
+            return _same(frame.robot_boot_id, self._boot_id)
+
+    def find(self, stamp_ns: int, robot_boot_id: str = "", wait_s: float = 0.0) -> Frame:
         """Return the picture of a stamp, the newest for -1; waits for it and for its camera pose.
+
+        Args:
+            stamp_ns: Of the picture that the operator saw; -1 = none.
+            robot_boot_id: Of the robot in it; "" = not checked.
+            wait_s: How long it, and its pose, may still be on their way [s].
 
         Raises:
             RefusedError: there is no such picture; says what to do.
         """
         with self._changed:
+            if stamp_ns >= 0 and not _same(robot_boot_id, self._boot_id):
+                raise RefusedError(RESTARTED)
             self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=wait_s)
             if not self._frames:
                 raise RefusedError(
@@ -61,21 +86,38 @@ class FrameStore:
                     f"{len(self._frames)} that I keep. "
                     "Look at the live picture, then say it again."
                 )
-            return replace(frame, view=self._views.get(frame.stamp_ns))
+            return replace(frame, view=self._view(frame))
 
     def _resolve(self, stamp_ns: int) -> int:
         """Return the stamp meant by -1: the newest picture whose pose is known, else the newest."""
         if stamp_ns >= 0 or not self._frames:
             return stamp_ns
-        known = [stamp for stamp in self._frames if stamp in self._views]
-        return known[-1] if known else next(reversed(self._frames))
+        known = (stamp for stamp, frame in reversed(self._frames.items()) if self._view(frame))
+        return next(known, next(reversed(self._frames)))
 
     def _complete(self, stamp_ns: int) -> bool:
         """Say whether nothing more is to be expected for a stamp."""
         stamp = self._resolve(stamp_ns)
         if stamp not in self._frames:
             return not self._frames or stamp < next(reversed(self._frames))
-        return not self._views or stamp in self._views
+        return not self._views or self._view(self._frames[stamp]) is not None
+
+    def _view(self, frame: Frame) -> CameraView | None:
+        """Return where the camera was at a picture; None where it is not known."""
+        view = self._views.get(frame.stamp_ns)
+        known = view is not None and _same(view.robot_boot_id, frame.robot_boot_id)
+        return view if known else None
+
+    def _began_anew(self, frame: Frame) -> bool:
+        """Tell whether a picture is the first of a robot that started anew."""
+        if not self._frames or (frame.robot_boot_id and self._boot_id):
+            return not _same(frame.robot_boot_id, self._boot_id)
+        return frame.stamp_ns < min(self._frames)
+
+
+def _same(boot_id: str, other: str) -> bool:
+    """Tell whether two boot ids may be of one process: one that is not known may be any."""
+    return not boot_id or not other or boot_id == other
 
 
 def project(point: Array, view: CameraView) -> tuple[float, float] | None:

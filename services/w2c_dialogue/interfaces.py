@@ -30,6 +30,8 @@ class Frame:
     """Where the camera was; None where perception has not said"""
     source: Input | None = None
     """The message it came in, for the record of what was computed from what"""
+    robot_boot_id: str = ""
+    """Of the robot that it shows; "" = not known"""
 
 
 @dataclass(frozen=True)
@@ -60,15 +62,15 @@ class Grounding(Protocol):
 
 
 class Lift(Protocol):
-    """Knows the depth of a frame."""
+    """Knows the depth of a frame. All raise RefusedError for one of before a robot's restart."""
 
-    def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
+    def lift(self, u: float, v: float, frame: Frame) -> LiftReply:
         """Return the world point behind a pixel. Raises RefusedError where there is no depth."""
 
-    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+    def allowed(self, frame: Frame) -> AllowedArea:
         """Return where in a frame a hand may go. Raises CallError."""
 
-    def heights(self, frame_stamp_ns: int) -> HeightField:
+    def heights(self, frame: Frame) -> HeightField:
         """Return how high things stand in a frame. Raises CallError."""
 
 

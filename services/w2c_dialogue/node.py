@@ -136,6 +136,7 @@ class DialogueNode:
             advice = self._advice
             if advice is not None and advice.target_id == self._shown_id():
                 self._bus.publish(topics.ADVICE, advice)
+            self.check_robot()
             self.check_goal()
 
     def close(self) -> None:
@@ -156,6 +157,12 @@ class DialogueNode:
     def point(self, request: PointRequest, context: CallContext) -> Turn:
         """Answer a click."""
         return self._publish(self._dialogue.point(request), context.request)
+
+    def check_robot(self) -> None:
+        """Give up a target of before the robot started anew."""
+        turn = self._dialogue.lose_robot()
+        if turn is not None:
+            self._publish(turn)
 
     def check_goal(self) -> None:
         """Give up a goal that the controller does not know any more: it may have been restarted."""
@@ -178,7 +185,14 @@ class DialogueNode:
         message = received.message
         source = received.as_input()
         self._frames.add_frame(
-            Frame(message.stamp_ns, message.width, message.height, message.jpeg, source=source)
+            Frame(
+                message.stamp_ns,
+                message.width,
+                message.height,
+                message.jpeg,
+                source=source,
+                robot_boot_id=message.robot_boot_id,
+            )
         )
 
     def _on_view(self, received: Received[CameraView]) -> None:

@@ -15,8 +15,8 @@ log = logging.getLogger("w2c.dialogue")
 def with_obstacles(goal: PlaceGoal, frames: FrameStore, services: Services) -> PlaceGoal:
     """Return the goal with the heights that the newest picture shows; without, where none come."""
     try:
-        stamp_ns = frames.find(-1).stamp_ns
-        return msgspec.structs.replace(goal, obstacles=services.heights(stamp_ns))
+        newest = frames.find(-1)
+        return msgspec.structs.replace(goal, obstacles=services.heights(newest))
     except W2CError as error:
         log.warning(
             "goal without obstacles: the way is not checked",

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 
 from w2c.clock import Clock
-from w2c.errors import CallError, DeadlineError, RefusedError, W2CError
+from w2c.errors import CallError, RefusedError, W2CError
 from w2c.messages import (
     ConfirmRequest,
     GoalEvent,
@@ -22,14 +22,14 @@ from w2c_dialogue import absolute, relative, replies
 from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.advice.pointing import MaskedPointing
 from w2c_dialogue.analyzer import analyze
+from w2c_dialogue.confirming import Confirming
 from w2c_dialogue.conversation import Conversation, Goal, Shown
 from w2c_dialogue.corrector import correct
-from w2c_dialogue.frames import FrameStore, pixels_per_cm
+from w2c_dialogue.frames import RESTARTED, FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
 from w2c_dialogue.limbs import Limbs
 from w2c_dialogue.locating import locate
-from w2c_dialogue.outcome import Outcome, goal_of
-from w2c_dialogue.outlook import foresee, with_obstacles
+from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.selector import select
 from w2c_dialogue.sight import Prediction
@@ -70,11 +70,10 @@ class Dialogue:
         )
         self._prompts = prompts
         self._frames = frames
-        self._guard = guard
-        self._limbs = limbs
         self._masked = masked
         self._clock = clock
         self._conversation = Conversation(prefix)
+        self._confirming = Confirming(self._conversation, frames, guard, limbs, clock)
         self._turn = threading.Lock()
         self._stops = 0
 
@@ -106,6 +105,15 @@ class Dialogue:
                 return None
             target = self._conversation.abandon_goal(reason)
         return self._ended(goal, target)
+
+    def lose_robot(self) -> Turn | None:
+        """Give up a target of before the robot started anew; None where there is none."""
+        with self._turn:
+            shown = self._conversation.shown
+            if shown is None or self._frames.current(shown.frame):
+                return None
+            target = self._conversation.abandon_shown(RESTARTED)
+        return self._report("", Outcome("none", RESTARTED, target, ok=False), Steps(self._clock))
 
     def goal(self) -> Goal | None:
         """Return the goal under way."""
@@ -143,7 +151,7 @@ class Dialogue:
             )
         if selection.module == "confirmation":
             return self._confirm(request.target_id, services)
-        frame = self._frames.find(request.frame_stamp_ns, FRAME_WAIT_S)
+        frame = self._frames.find(request.frame_stamp_ns, request.robot_boot_id, FRAME_WAIT_S)
         if selection.module == "correction" and shown is not None:
             return self._correct(utterance, shown, frame, services)
         return self._predict(utterance, frame, services)
@@ -207,7 +215,7 @@ class Dialogue:
         return Outcome("correction", replies.correction(target, du, dv), target)
 
     def _point(self, request: PointRequest, services: Services) -> Outcome:
-        frame = self._frames.find(request.frame_stamp_ns, FRAME_WAIT_S)
+        frame = self._frames.find(request.frame_stamp_ns, request.robot_boot_id, FRAME_WAIT_S)
         if not (0 <= request.u <= frame.width and 0 <= request.v <= frame.height):
             raise RefusedError(
                 f"({request.u:.0f}, {request.v:.0f}) is outside the picture of "
@@ -228,34 +236,6 @@ class Dialogue:
         )
         return Outcome("point", replies.proposal(target, "point"), target)
 
-    def _confirm(self, target_id: str, services: Services) -> Outcome:
-        stops = self._stops
-        shown = self._conversation.check_confirmation(target_id)
-        if shown.target.point is None:
-            shown = self._conversation.lifted(
-                services.lift(shown.target.u, shown.target.v, shown.target.frame_stamp_ns)
-            )
-        with services.steps.measure("veto"):
-            unchecked = self._guard.check(shown)
-        limb, task, assumed = self._limbs.choose(shown, services)
-        request = goal_of(self._conversation.next_id("goal"), shown.target, limb, task)
-        outlook = foresee(request, services)
-        request = with_obstacles(request, self._frames, services)
-        if self._stops != stops:
-            raise RefusedError(
-                "You said stop meanwhile; I did not move. Confirm again to go there."
-            )
-        try:
-            services.place(request)
-        except DeadlineError as error:
-            raise RefusedError(
-                f"The controller did not answer in time ({error}). It may still move: watch it, "
-                "and say stop to hold."
-            ) from error
-        target = self._conversation.confirm(request.goal_id, limb, task, self._clock.now_ns())
-        reply = replies.confirmed(limb, task, assumed=assumed, outlook=outlook + unchecked)
-        return Outcome("confirmation", reply, target, self._conversation.goal)
-
     def _stop(self, text: str) -> Turn:
         """Hold the robot, whatever else goes on."""
         self._stops += 1
@@ -268,6 +248,11 @@ class Dialogue:
         return self._report(text, outcome, steps)
 
     # --- helpers ---
+
+    def _confirm(self, target_id: str, services: Services) -> Outcome:
+        """Set the robot in motion, unless somebody says stop meanwhile."""
+        stops = self._stops
+        return self._confirming.confirm(target_id, services, lambda: self._stops != stops)
 
     def _rule(
         self, frame: Frame, utterance: Utterance, services: Services
@@ -283,7 +268,7 @@ class Dialogue:
     ) -> tuple[LiftReply | None, tuple[str, ...]]:
         """Return the world point of a pixel, or why there is none: the target is shown anyway."""
         try:
-            return services.lift(prediction.u, prediction.v, frame.stamp_ns), ()
+            return services.lift(prediction.u, prediction.v, frame), ()
         except RefusedError as error:
             return None, (
                 f"I cannot tell how far away it is there ({error}): move the target a bit.",

@@ -73,19 +73,25 @@ class RemoteServices:
         request = GroundingRequest(jpeg=frame.jpeg, phrases=list(phrases), want="heatmaps")
         return self._ground(frame, request)
 
-    def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
+    def lift(self, u: float, v: float, frame: Frame) -> LiftReply:
         """Find the point of the world behind a pixel."""
-        request = LiftRequest(u=u, v=v, frame_stamp_ns=frame_stamp_ns)
+        request = LiftRequest(
+            u=u, v=v, frame_stamp_ns=frame.stamp_ns, robot_boot_id=frame.robot_boot_id
+        )
         return self._bus.call(topics.LIFT, request).message
 
-    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+    def allowed(self, frame: Frame) -> AllowedArea:
         """Find where in a frame a hand may go."""
-        request = AllowedAreaRequest(frame_stamp_ns=frame_stamp_ns)
+        request = AllowedAreaRequest(
+            frame_stamp_ns=frame.stamp_ns, robot_boot_id=frame.robot_boot_id
+        )
         return self._bus.call(topics.FIND_ALLOWED_AREA, request).message
 
-    def heights(self, frame_stamp_ns: int) -> HeightField:
+    def heights(self, frame: Frame) -> HeightField:
         """Find how high things stand in a frame."""
-        request = HeightFieldRequest(frame_stamp_ns=frame_stamp_ns)
+        request = HeightFieldRequest(
+            frame_stamp_ns=frame.stamp_ns, robot_boot_id=frame.robot_boot_id
+        )
         return self._bus.call(topics.HEIGHT_FIELD, request).message
 
     def preview(self, goal: PlaceGoal) -> PreviewReply:

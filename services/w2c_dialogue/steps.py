@@ -94,20 +94,20 @@ class Services:
         with self._steps.measure("grounding"):
             return self._grounding.ground(frame, phrases, want)
 
-    def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
+    def lift(self, u: float, v: float, frame: Frame) -> LiftReply:
         """Find the depth of a pixel."""
         with self._steps.measure("lift"):
-            return self._lift.lift(u, v, frame_stamp_ns)
+            return self._lift.lift(u, v, frame)
 
-    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+    def allowed(self, frame: Frame) -> AllowedArea:
         """Find where in a frame a hand may go."""
         with self._steps.measure("allowed"):
-            return self._lift.allowed(frame_stamp_ns)
+            return self._lift.allowed(frame)
 
-    def heights(self, frame_stamp_ns: int) -> HeightField:
+    def heights(self, frame: Frame) -> HeightField:
         """Find how high things stand in a frame."""
         with self._steps.measure("heights"):
-            return self._lift.heights(frame_stamp_ns)
+            return self._lift.heights(frame)
 
     def preview(self, goal: PlaceGoal) -> PreviewReply:
         """Find how a goal would end."""

@@ -38,9 +38,13 @@ def lift(arguments: list[str] | None = None) -> int:
     config = parse(LiftConfig, arguments or [], program="w2c lift")
     service = service_config(config)
     with connect(service, "operator", [service.router]) as bus:
-        stamp = config.stamp if config.stamp >= 0 else _newest_stamp(bus)
+        stamp, boot_id = _picture(bus, config.stamp)
         request = LiftRequest(
-            u=config.u, v=config.v, frame_stamp_ns=stamp, footprint=config.footprint
+            u=config.u,
+            v=config.v,
+            frame_stamp_ns=stamp,
+            footprint=config.footprint,
+            robot_boot_id=boot_id,
         )
         print(describe(bus.call(topics.LIFT, request).message, config.footprint))
     return 0
@@ -72,8 +76,8 @@ def cloud(arguments: list[str] | None = None) -> int:
         raise ConfigError(f"{error}; choose other --low and --high") from error
     service = service_config(config)
     with connect(service, "operator", [service.router]) as bus:
-        stamp = config.stamp if config.stamp >= 0 else _newest_stamp(bus)
-        request = msgspec.structs.replace(request, frame_stamp_ns=stamp)
+        stamp, boot_id = _picture(bus, config.stamp)
+        request = msgspec.structs.replace(request, frame_stamp_ns=stamp, robot_boot_id=boot_id)
         reply = bus.call(topics.POINT_CLOUD, request).message
     comment = f"robot {service.robot}, picture of {stamp} ns, metres in the world, z up"
     try:
@@ -103,12 +107,14 @@ def describe(reply: LiftReply, footprint: float) -> str:
     return "\n".join(lines + ([f"warning  {reply.warning}"] if reply.warning else []))
 
 
-def _newest_stamp(bus: Bus) -> int:
-    """Return the stamp of the next picture that perception has placed."""
+def _picture(bus: Bus, stamp_ns: int) -> tuple[int, str]:
+    """Return which picture is meant, and of which boot of the robot: the next placed one for -1."""
+    if stamp_ns >= 0:
+        return stamp_ns, ""
     received = bus.latest(topics.CAMERA_VIEW).wait(_WAIT_FOR_PICTURE_S)
     if received is None:
         raise DeadlineError(
             f"perception placed no picture within {_WAIT_FOR_PICTURE_S:g} s; are robot, camera and "
             "perception running? See: w2c status"
         )
-    return received.message.stamp_ns
+    return received.message.stamp_ns, received.message.robot_boot_id

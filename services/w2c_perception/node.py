@@ -156,6 +156,11 @@ class PerceptionNode:
                     f"picture of robot '{received.envelope.robot}', this is perception of "
                     f"'{self._bus.robot}'"
                 )
+            if frame.robot_boot_id not in ("", track.boot_id):
+                raise GeometryError(
+                    f"picture of robot process '{frame.robot_boot_id}', the joint angles are of "
+                    f"'{track.boot_id}': the robot started anew"
+                )
             view = track.place(frame)
         except RefusedError as error:
             self._bus.count("picture without joint angles")
@@ -207,7 +212,7 @@ class PerceptionNode:
 
     def _heights(self, request: HeightFieldRequest, _context: CallContext) -> HeightField:
         """Answer how high things stand in a picture."""
-        view, depth = self._look(request.frame_stamp_ns)
+        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
         area = Area()
         heights = height_field(
             depth, view.intrinsics, view.pose.world_from_camera, view.pose.arms, area
@@ -221,7 +226,7 @@ class PerceptionNode:
 
     def _allowed(self, request: AllowedAreaRequest, _context: CallContext) -> AllowedArea:
         """Answer where in a picture a surface can carry a hand."""
-        view, depth = self._look(request.frame_stamp_ns)
+        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
         cells = allowed_cells(depth, view.intrinsics, view.pose.world_from_camera, view.pose.arms)
         return AllowedArea(
             stamp_ns=view.stamp_ns,

@@ -125,33 +125,33 @@ class TableTop:
         self.cells = np.zeros((72, 128), np.uint8)
         """Of the picture: 0 = a hand may go there; 10 px each"""
 
-    def allowed(self, frame_stamp_ns: int) -> AllowedArea:
+    def allowed(self, frame: Frame) -> AllowedArea:
         """Return what the test says."""
         if self.allowed_error is not None:
             raise self.allowed_error
         return AllowedArea(
-            stamp_ns=frame_stamp_ns,
+            stamp_ns=frame.stamp_ns,
             width=1280,
             height=720,
             cells=self.cells,
             reasons=["too steep", "no depth"],
         )
 
-    def heights(self, frame_stamp_ns: int) -> HeightField:
+    def heights(self, frame: Frame) -> HeightField:
         """Return an empty table."""
-        self.heights_of.append(frame_stamp_ns)
+        self.heights_of.append(frame.stamp_ns)
         if self.heights_error is not None:
             raise self.heights_error
         return HeightField(
-            stamp_ns=frame_stamp_ns,
+            stamp_ns=frame.stamp_ns,
             origin=(0.4, -0.5),
             cell=0.1,
             heights=np.full((5, 10), 0.8, np.float32),
         )
 
-    def lift(self, u: float, v: float, frame_stamp_ns: int) -> LiftReply:
+    def lift(self, u: float, v: float, frame: Frame) -> LiftReply:
         """Return a point of the table."""
-        self.asked.append((u, v, frame_stamp_ns))
+        self.asked.append((u, v, frame.stamp_ns))
         if self.error is not None:
             raise self.error
         return LiftReply(
@@ -161,7 +161,7 @@ class TableTop:
             flatness=0.001,
             slope=0.0,
             extent=0.1,
-            frame_stamp_ns=frame_stamp_ns,
+            frame_stamp_ns=frame.stamp_ns,
             verdicts=self.verdicts,
         )
 

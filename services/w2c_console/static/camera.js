@@ -10,10 +10,11 @@ const RING_RADIUS = 18;
 const HINT = "Click on the picture to point at a place.";
 
 /**
+ * @typedef {{frame_stamp: string, robot_boot: string}} Picture which one it is, for what is said about it
  * @typedef {{target_id: string, u: number, v: number, state: string, corrected: boolean}} Marker
  * @typedef {{left: number, top: number, right: number, bottom: number, phrase: string}} Box
  * @typedef {{
- *   sequence: number, stamp: string, width: number, height: number, age_s: number, silent_s: number,
+ *   sequence: number, stamp: string, robot_boot: string, width: number, height: number, age_s: number, silent_s: number,
  *   limit_s: number, frozen: boolean, notice: string, marker: Marker | null, boxes: Box[], area: string,
  * }} Header
  */
@@ -21,7 +22,7 @@ const HINT = "Click on the picture to point at a place.";
 export class Camera {
   /**
    * @param {{
-   *   point: (u: number, v: number, stamp: string) => void,
+   *   point: (u: number, v: number, picture: Picture) => void,
    *   shown: () => void,
    *   connected: (open: boolean) => void,
    * }} handlers
@@ -49,9 +50,9 @@ export class Camera {
     });
   }
 
-  /** Stamp of the picture on the screen; "-1": none. */
-  get stamp() {
-    return this.header?.stamp ?? "-1";
+  /** @returns {Picture} the one on the screen; "-1": none. */
+  get picture() {
+    return { frame_stamp: this.header?.stamp ?? "-1", robot_boot: this.header?.robot_boot ?? "" };
   }
 
   /** The target as drawn on the screen. */
@@ -141,7 +142,7 @@ export class Camera {
     if (matrix === null || header === null || header.sequence === 0) return;
     const pixel = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
     if (pixel.x < 0 || pixel.y < 0 || pixel.x >= header.width || pixel.y >= header.height) return;
-    this.handlers.point(pixel.x, pixel.y, header.stamp);
+    this.handlers.point(pixel.x, pixel.y, this.picture);
   }
 }
 

@@ -20,7 +20,7 @@ const WORDLESS = /** @type {Record<string, string>} */ ({ point: "(points)", con
  */
 
 export class Chat {
-  /** @param {() => {frame_stamp: string, target_id: string}} onScreen what the operator sees */
+  /** @param {() => {frame_stamp: string, robot_boot: string, target_id: string}} onScreen what the operator sees */
   constructor(onScreen) {
     this.list = byId("chat", HTMLOListElement);
     this.input = byId("say", HTMLInputElement);

@@ -25,8 +25,8 @@ let target = null;
 let advice = null;
 
 const camera = new Camera({
-  point: (u, v, stamp) => {
-    const body = { u, v, frame_stamp: stamp };
+  point: (u, v, picture) => {
+    const body = { u, v, ...picture };
     void chat.ask("/api/point", body, `(points at ${Math.round(u)}, ${Math.round(v)})`);
   },
   shown: showTarget,
@@ -34,7 +34,7 @@ const camera = new Camera({
 });
 
 const chat = new Chat(() => ({
-  frame_stamp: camera.stamp,
+  ...camera.picture,
   target_id: camera.marker?.target_id ?? "",
 }));
 

@@ -88,7 +88,7 @@ class MaskedPointing:
     def _area(self, frame: Frame, task: Task, services: Services) -> AllowedArea:
         """Return where a hand may go, for leaning also shown to the operator. Raises CallError."""
         if task == "contact":
-            area = self._guard.forbid(services.allowed(frame.stamp_ns), frame)
+            area = self._guard.forbid(services.allowed(frame), frame)
             self._publish(area)
             return area
         # What is only touched need be neither flat nor large: a cup is neither.
@@ -135,7 +135,7 @@ class MaskedPointing:
     ) -> str:
         """Return why a limb does not get to a point; "" = it does. Raises CallError."""
         try:
-            lifted = services.lift(*candidate.pixel, frame.stamp_ns)
+            lifted = services.lift(*candidate.pixel, frame)
         except RefusedError as error:
             return str(error)
         chosen = limb or effector.nearest_hand(lifted.point)

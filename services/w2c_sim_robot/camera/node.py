@@ -24,7 +24,8 @@ from w2c_sim_robot.scenes import scene as scenes
 log = logging.getLogger("w2c.camera")
 
 _POLL_S = 0.2
-Job = tuple["Future[Message]", Callable[[Studio, int], Message]]
+Draw = Callable[[Studio, Received[Truth]], Message]
+Job = tuple["Future[Message]", Draw]
 
 
 class CameraNode:
@@ -92,6 +93,7 @@ class CameraNode:
             shadows=self._config.shadows,
             antialiasing=self._config.antialiasing,
             depth=self._config.depth,
+            robot_boot_id=received.envelope.boot_id,
         )
         self._bus.publish(topics.CAMERA_FRAME, frame, [received.as_input()])
 
@@ -118,7 +120,7 @@ class CameraNode:
         except Exception as error:  # handed to the caller's thread, not swallowed
             result.set_exception(error)
 
-    def _answer(self, draw: Callable[[Studio, int], Message]) -> Message:
+    def _answer(self, draw: Draw) -> Message:
         newest = self._truth.last()
         if newest is None:
             raise RefusedError(
@@ -128,9 +130,9 @@ class CameraNode:
             self._pose(newest.message)
         except ConfigError as error:
             raise RefusedError(str(error)) from error
-        return draw(self._ready(), newest.message.stamp_ns)
+        return draw(self._ready(), newest)
 
-    def _ask(self, draw: Callable[[Studio, int], Message], timeout_s: float) -> Message:
+    def _ask(self, draw: Draw, timeout_s: float) -> Message:
         """Let the drawing loop do it, and wait for the result."""
         result: Future[Message] = Future()
         self._jobs.put((result, draw))
@@ -143,8 +145,11 @@ class CameraNode:
     def _capture(self, request: CaptureRequest, _context: CallContext) -> CameraFrame:
         """Return a picture of the head camera; on the stream too, for perception to know it."""
         frame = self._ask(
-            lambda studio, stamp_ns: studio.frame(
-                stamp_ns, shadows=request.shadows, antialiasing=request.antialiasing
+            lambda studio, truth: studio.frame(
+                truth.message.stamp_ns,
+                shadows=request.shadows,
+                antialiasing=request.antialiasing,
+                robot_boot_id=truth.envelope.boot_id,
             ),
             topics.CAPTURE.timeout_s,
         )
@@ -155,7 +160,8 @@ class CameraNode:
 
     def _picture(self, request: PictureRequest, _context: CallContext) -> Picture:
         picture = self._ask(
-            lambda studio, stamp_ns: studio.picture(stamp_ns, request), topics.PICTURE.timeout_s
+            lambda studio, truth: studio.picture(truth.message.stamp_ns, request),
+            topics.PICTURE.timeout_s,
         )
         if not isinstance(picture, Picture):
             raise TypeError(f"a picture gave {type(picture).__name__}")

@@ -78,6 +78,7 @@ class Studio:
         shadows: bool = False,
         antialiasing: bool = False,
         depth: bool = True,
+        robot_boot_id: str = "",
     ) -> CameraFrame:
         """Return what the head camera sees. Its own shell is not drawn: it would hide a third."""
         image = self.shoot(shadows=shadows, antialiasing=antialiasing, depth=depth)
@@ -91,6 +92,7 @@ class Studio:
             jpeg=jpeg(image.rgb, self._quality),
             depth=encode_depth(image.depth) if depth else b"",
             depth_unit=DEPTH_UNIT,
+            robot_boot_id=robot_boot_id,
         )
 
     def shoot(

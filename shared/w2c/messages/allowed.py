@@ -5,7 +5,7 @@ from typing import Annotated
 import msgspec
 import numpy as np
 
-from w2c.messages.base import Array, Message, Name, Stamp, check_array
+from w2c.messages.base import Array, Message, Name, RobotBoot, Stamp, check_array
 
 MAX_REASONS = 16
 
@@ -15,6 +15,8 @@ class AllowedAreaRequest(Message, frozen=True, kw_only=True):
 
     frame_stamp_ns: Stamp
     """Of a frame in the buffer of the last seconds"""
+    robot_boot_id: RobotBoot = ""
+    """As in `LiftRequest`"""
 
 
 class AllowedArea(Message, frozen=True, kw_only=True):

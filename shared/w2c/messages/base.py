@@ -14,6 +14,9 @@ _FLOAT64 = np.dtype(np.float64)
 Text = Annotated[str, msgspec.Meta(max_length=20_000)]
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
 Stamp = Annotated[int, msgspec.Meta(ge=0)]
+RobotBoot = Annotated[str, msgspec.Meta(max_length=64)]
+"""Boot id of the robot's process. One that started anew counts time from zero again, so that a
+stamp alone may be that of another frame. "" = not known, so not checked"""
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, eq=False):

@@ -5,8 +5,7 @@ from typing import Annotated
 import msgspec
 import numpy as np
 
-from w2c.messages.base import Array, Message, Stamp, check_array
-from w2c.messages.view import RobotBoot
+from w2c.messages.base import Array, Message, RobotBoot, Stamp, check_array
 
 MAX_POINTS = 200_000
 Corner = tuple[float, float, float]

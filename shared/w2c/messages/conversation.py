@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
+from w2c.messages.base import Array, Message, Name, RobotBoot, Stamp, Text, check_array
 from w2c.messages.control import EndEffector, Task
 from w2c.messages.models import Box
 
@@ -44,6 +44,8 @@ class SayRequest(Message, frozen=True, kw_only=True):
     text: Annotated[str, msgspec.Meta(min_length=1, max_length=500)]
     frame_stamp_ns: int = -1
     """-1: the operator saw no picture; the newest frame is meant"""
+    robot_boot_id: RobotBoot = ""
+    """Of the robot when it took that frame. "" = not checked"""
     target_id: str = ""
     """The target on the screen, so that a spoken "yes" confirms what was seen; empty: none"""
 
@@ -60,6 +62,8 @@ class PointRequest(Message, frozen=True, kw_only=True):
     u: float
     v: float
     frame_stamp_ns: int = -1
+    robot_boot_id: RobotBoot = ""
+    """As in `SayRequest`"""
     end_effector: EndEffector | None = None
     task: Task | None = None
 

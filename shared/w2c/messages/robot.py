@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
+from w2c.messages.base import Array, Message, Name, RobotBoot, Stamp, Text, check_array
 
 DriverMode = Literal["tracking", "holding", "stopped"]
 
@@ -149,6 +149,11 @@ class CameraFrame(Message, frozen=True, kw_only=True):
     Empty: no depth."""
     depth_unit: float = 0.00025
     """[m]"""
+    depth_stamp_ns: Annotated[int, msgspec.Meta(ge=-1)] = -1
+    """When depth was taken, where that was another instant than `stamp_ns`, the colours'; seen from
+    the same optical frame, which may have moved meanwhile. -1 = with the colours"""
+    robot_boot_id: RobotBoot = ""
+    """Of the robot whose time the stamps are"""
 
 
 class CaptureRequest(Message, frozen=True, kw_only=True):

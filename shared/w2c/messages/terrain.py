@@ -5,7 +5,7 @@ from typing import Annotated
 import msgspec
 import numpy as np
 
-from w2c.messages.base import Array, Message, Stamp
+from w2c.messages.base import Array, Message, RobotBoot, Stamp
 
 MAX_CELLS = 40_000
 
@@ -15,6 +15,8 @@ class HeightFieldRequest(Message, frozen=True, kw_only=True):
 
     frame_stamp_ns: Stamp
     """Of a frame in the buffer of the last seconds"""
+    robot_boot_id: RobotBoot = ""
+    """As in `LiftRequest`"""
 
 
 class HeightField(Message, frozen=True, kw_only=True):

@@ -4,9 +4,7 @@ from typing import Annotated
 
 import msgspec
 
-from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
-
-RobotBoot = Annotated[str, msgspec.Meta(max_length=64)]
+from w2c.messages.base import Array, Message, Name, RobotBoot, Stamp, Text, check_array
 
 
 class CameraView(Message, frozen=True, kw_only=True):
@@ -38,8 +36,7 @@ class LiftRequest(Message, frozen=True, kw_only=True):
     footprint: Annotated[float, msgspec.Meta(gt=0, le=0.5)] = 0.03
     """Radius of what will touch the surface there [m]"""
     robot_boot_id: RobotBoot = ""
-    """Of the view of that frame: a robot that started anew counts time from zero again, so that a
-    stamp may be that of another frame. "" = not checked"""
+    """Of the robot when it took that frame. "" = not checked"""
 
 
 class FitnessVerdict(Message, frozen=True, kw_only=True):

@@ -10,7 +10,7 @@ from fakes.console_operator import STAMP, Page
 from fakes.table_picture import make_target
 from support.waiting import wait_until
 from w2c.errors import DeadlineError, RefusedError, RemoteError, UnavailableError, W2CError
-from w2c.messages import ConfirmRequest, SayRequest
+from w2c.messages import ConfirmRequest, PointRequest, SayRequest
 from w2c_console.app import STOPS_AT_ONCE
 
 THREADS_OF_STARLETTE = 40
@@ -27,11 +27,25 @@ def test_the_page_and_its_modules_are_served_with_a_policy(page: Page) -> None:
 
 
 def test_an_utterance_keeps_the_stamp_to_the_nanosecond(page: Page) -> None:
-    body = {"text": "to the book", "frame_stamp": str(STAMP), "target_id": "t-3"}
+    body = {
+        "text": "to the book",
+        "frame_stamp": str(STAMP),
+        "robot_boot": "b-1",
+        "target_id": "t-3",
+    }
     assert page.client.post("/api/say", json=body).json()["reply"] == "done"
     (asked,) = page.operator.asked
     assert isinstance(asked, SayRequest)
     assert (asked.text, asked.frame_stamp_ns, asked.target_id) == ("to the book", STAMP, "t-3")
+    assert asked.robot_boot_id == "b-1"
+
+
+def test_a_click_names_the_picture_and_the_robot_in_it(page: Page) -> None:
+    body = {"u": 3.5, "v": 4.5, "frame_stamp": str(STAMP), "robot_boot": "b-1"}
+    page.client.post("/api/point", json=body)
+    (asked,) = page.operator.asked
+    assert isinstance(asked, PointRequest)
+    assert (asked.u, asked.v, asked.frame_stamp_ns, asked.robot_boot_id) == (3.5, 4.5, STAMP, "b-1")
 
 
 def test_a_confirmation_names_the_target_it_was_given(page: Page) -> None:

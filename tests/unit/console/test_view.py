@@ -2,6 +2,7 @@
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -190,6 +191,18 @@ def test_poses_of_an_earlier_start_of_the_robot_are_forgotten() -> None:
     assert frames.view(SECOND) is None
     assert frames.newest is not None
     assert frames.newest.sequence == 3
+
+
+def test_pictures_of_another_boot_of_the_robot_are_not_mixed_with_newer_stamps() -> None:
+    """A camera that outlives the robot: its stamps need not go back, what they mean does."""
+    past = history(1 * SECOND, views=(1 * SECOND,))
+    past.add_frame(msgspec.structs.replace(frame(2 * SECOND), robot_boot_id="first"), 0)
+    past.add_frame(msgspec.structs.replace(frame(3 * SECOND), robot_boot_id="second"), 0)
+    assert past.get(2 * SECOND) is None
+    past.add_view(msgspec.structs.replace(view(3 * SECOND), robot_boot_id="first"))
+    assert past.view(3 * SECOND) is None
+    past.add_view(msgspec.structs.replace(view(3 * SECOND), robot_boot_id="second"))
+    assert past.view(3 * SECOND) is not None
 
 
 def test_corrections_change_the_colour() -> None:

@@ -10,6 +10,7 @@ from w2c.errors import DeadlineError, ModelError, RefusedError, UnavailableError
 from w2c.messages import AllowedArea, Box, PhraseEvidence, PlaceGoal, PreviewReply
 from w2c_dialogue.advice.mask import VETO, candidates, resampled, why_not, with_veto
 from w2c_dialogue.advice.pointing import MaskedPointing
+from w2c_dialogue.interfaces import Frame
 
 WIDTH, HEIGHT = 1280, 720
 
@@ -247,9 +248,9 @@ def test_one_point_is_tried_however_long_words_and_area_took() -> None:
     world = Masked(**first_words())
     ask = world.lift.allowed
 
-    def slow(frame_stamp_ns: int) -> AllowedArea:
+    def slow(frame: Frame) -> AllowedArea:
         world.clock.set(world.clock.now_ns() + 5_000_000_000)
-        return ask(frame_stamp_ns)
+        return ask(frame)
 
     world.lift.allowed = slow  # type: ignore[method-assign]
     turn = world.say(FIRST)
@@ -283,10 +284,10 @@ def test_a_candidate_without_depth_is_passed_over() -> None:
     world = Masked(**first_words())
     lift = world.lift.lift
 
-    def holes(u: float, v: float, frame_stamp_ns: int) -> object:
+    def holes(u: float, v: float, frame: Frame) -> object:
         if u < 480:
             raise RefusedError("no depth at the pixel")
-        return lift(u, v, frame_stamp_ns)
+        return lift(u, v, frame)
 
     world.lift.lift = holes  # type: ignore[assignment]
     world.lift.cells[:, 49:55] = 1

@@ -11,17 +11,18 @@ from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM, FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Frame
 
 
-def frame(stamp_ns: int) -> Frame:
-    return Frame(stamp_ns, 1280, 720, b"jpeg")
+def frame(stamp_ns: int, robot_boot_id: str = "") -> Frame:
+    return Frame(stamp_ns, 1280, 720, b"jpeg", robot_boot_id=robot_boot_id)
 
 
-def view(stamp_ns: int) -> CameraView:
+def view(stamp_ns: int, robot_boot_id: str = "") -> CameraView:
     return CameraView(
         stamp_ns=stamp_ns,
         world_from_camera=np.eye(4),
         intrinsics=(800.0, 800.0, 640.0, 360.0),
         width=1280,
         height=720,
+        robot_boot_id=robot_boot_id,
     )
 
 
@@ -63,6 +64,39 @@ def test_a_picture_on_its_way_is_waited_for_with_its_pose() -> None:
 def test_no_camera_is_said_at_once() -> None:
     with pytest.raises(RefusedError, match="camera does not send"):
         FrameStore().find(-1, wait_s=60.0)
+
+
+def test_a_picture_of_before_the_robot_started_anew_is_refused_though_its_stamp_came_again() -> (
+    None
+):
+    store = FrameStore()
+    seen = frame(1, "first")
+    store.add_frame(seen)
+    store.add_frame(frame(2, "first"))
+    store.add_view(view(1, "first"))
+    assert store.find(1, "first").view is not None
+
+    store.add_frame(frame(1, "second"))
+
+    assert not store.current(seen)
+    with pytest.raises(RefusedError, match="started anew"):
+        store.find(1, "first")
+    with pytest.raises(RefusedError, match="stamp 2"):
+        store.find(2, "second")
+    # The pose of the former robot's picture is not that of this one's.
+    assert store.find(1, "second").view is None
+    store.add_view(view(1, "second"))
+    assert store.find(1, "second").view is not None
+    assert store.find(-1, "first").robot_boot_id == "second", "no picture was seen: none is checked"
+
+
+def test_time_that_jumps_back_is_a_robot_that_started_anew() -> None:
+    """Where the camera does not say whose pictures they are."""
+    store = FrameStore()
+    store.add_frame(frame(1000))
+    store.add_frame(frame(3))
+    with pytest.raises(RefusedError, match="stamp 1000"):
+        store.find(1000)
 
 
 def test_projection_and_scale() -> None:

@@ -25,6 +25,11 @@ from w2c.messages import (
     GoalEvent,
     GroundingReply,
     GroundingRequest,
+    HeightField,
+    HeightFieldRequest,
+    LiftReply,
+    LiftRequest,
+    PointRequest,
     SayRequest,
     StopReply,
     StopRequest,
@@ -36,6 +41,11 @@ from w2c_dialogue.node import DialogueNode
 from w2c_dialogue.prompts.base import Question, TaskName
 
 WAIT_S = 10.0
+
+
+def _frame(request: LiftRequest | HeightFieldRequest) -> Frame:
+    """Return the frame that a request names."""
+    return Frame(request.frame_stamp_ns, 1280, 720, b"jpeg", robot_boot_id=request.robot_boot_id)
 
 
 class Robot:
@@ -72,12 +82,8 @@ class Robot:
         bus["llm"].serve(topics.COMPLETE, lambda request, _: self._complete(request))
         bus["llm"].serve(topics.CHOOSE, lambda request, _: self._choose(request))
         bus["grounding"].serve(topics.GROUND, self._ground)
-        bus["perception"].serve(
-            topics.LIFT, lambda r, _: self.lift.lift(r.u, r.v, r.frame_stamp_ns)
-        )
-        bus["perception"].serve(
-            topics.HEIGHT_FIELD, lambda r, _: self.lift.heights(r.frame_stamp_ns)
-        )
+        bus["perception"].serve(topics.LIFT, lambda r, _: self.lift.lift(r.u, r.v, _frame(r)))
+        bus["perception"].serve(topics.HEIGHT_FIELD, lambda r, _: self.lift.heights(_frame(r)))
         bus["controller"].serve(topics.PREVIEW, lambda request, _: self.controller.preview(request))
         bus["controller"].serve(topics.PLACE, lambda request, _: self.controller.place(request))
         bus["robot"].serve(topics.ROBOT_STOP, lambda request, _: self._stop(request.reason))
@@ -135,7 +141,7 @@ class Robot:
             self.buses["console"].call(topics.CONFIRM, ConfirmRequest(target_id=target_id)).message
         )
 
-    def show(self, stamp_ns: int) -> None:
+    def show(self, stamp_ns: int, robot_boot_id: str = "") -> None:
         """Publish a picture."""
         frame = CameraFrame(
             stamp_ns=stamp_ns,
@@ -145,6 +151,7 @@ class Robot:
             intrinsics=(800.0, 800.0, 640.0, 360.0),
             jpeg=b"jpeg",
             depth=b"",
+            robot_boot_id=robot_boot_id,
         )
         self.buses["camera"].publish(topics.CAMERA_FRAME, frame)
 
@@ -314,6 +321,62 @@ def test_a_turn_names_the_message_it_answers_and_grounding_the_picture_it_was_gi
     assert received is not None
     assert any("rpc/dialogue" in source.key for source in received.envelope.inputs)
     assert any("rgbd" in source.key for source in robot.ground_inputs)
+
+
+def test_pixels_are_lifted_with_the_boot_of_the_robot_they_were_seen_on(
+    robot: Robot, node: DialogueNode
+) -> None:
+    boots: list[str] = []
+    robot.buses["perception"].close()
+    perception = robot.hub.connect("perception")
+
+    def lift(request: LiftRequest, _context: CallContext) -> LiftReply:
+        boots.append(request.robot_boot_id)
+        return robot.lift.lift(request.u, request.v, _frame(request))
+
+    def heights(request: HeightFieldRequest, _context: CallContext) -> HeightField:
+        boots.append(request.robot_boot_id)
+        return robot.lift.heights(_frame(request))
+
+    perception.serve(topics.LIFT, lift)
+    perception.serve(topics.HEIGHT_FIELD, heights)
+    robot.show(100, "first")
+    until(lambda: robot.say("lean on the book").ok)
+    turn = robot.say("lean on the book")
+    assert turn.target is not None
+    assert robot.confirm(turn.target.target_id).ok
+    assert set(boots) == {"first"}
+    assert len(boots) >= 3
+
+
+def test_what_was_said_of_a_robot_before_it_started_anew_is_given_up(
+    robot: Robot, node: DialogueNode
+) -> None:
+    robot.show(100, "first")
+    until(lambda: robot.say("lean on the book").ok)
+    turn = robot.say("lean on the book")
+    assert turn.target is not None
+    robot.show(100, "second")
+    until(lambda: not node._frames.current(Frame(100, 1, 1, b"", robot_boot_id="first")))
+    console = robot.buses["console"]
+
+    refused = robot.confirm(turn.target.target_id)
+    clicked = console.call(
+        topics.POINT, PointRequest(u=1.0, v=1.0, frame_stamp_ns=100, robot_boot_id="first")
+    ).message
+
+    assert not refused.ok
+    assert "started anew" in refused.reply
+    assert not clicked.ok
+    assert "started anew" in clicked.reply
+    assert robot.controller.goals == []
+    targets = console.queue(topics.TARGET)
+    node.check_robot()
+    received = targets.receive(WAIT_S)
+    assert received is not None
+    assert received.message.state == "abandoned"
+    node.check_robot()
+    assert targets.receive(0.05) is None, "it is given up once"
 
 
 @pytest.mark.usefixtures("node")

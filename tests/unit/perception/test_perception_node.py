@@ -298,12 +298,20 @@ def test_a_pixel_of_a_picture_before_the_robot_started_anew_is_refused(rig: Rig)
     with pytest.raises(RefusedError, match="the robot started anew"):
         rig.operator.call(topics.LIFT, request)
     rig.operator.call(topics.LIFT, msgspec.structs.replace(request, robot_boot_id="another-boot"))
+    stamp_ns, boot_id = 1000 * TICK_NS, old.robot_boot_id
+    heights = HeightFieldRequest(frame_stamp_ns=stamp_ns, robot_boot_id=boot_id)
+    with pytest.raises(RefusedError, match="the robot started anew"):
+        rig.operator.call(topics.HEIGHT_FIELD, heights)
+    allowed = AllowedAreaRequest(frame_stamp_ns=stamp_ns, robot_boot_id=boot_id)
+    with pytest.raises(RefusedError, match="the robot started anew"):
+        rig.operator.call(topics.FIND_ALLOWED_AREA, allowed)
 
 
 @pytest.mark.parametrize(
     "change",
     [
         {"frame": "camera_of_another_robot"},
+        {"robot_boot_id": "that of a robot that is no more"},
         {"intrinsics": (0.0, 94.0, 64.0, 36.0)},
         {"intrinsics": (float("nan"), 94.0, 64.0, 36.0)},
         {"depth_unit": 0.0},

@@ -105,6 +105,7 @@ def test_a_frame_carries_the_stamp_of_the_truth_it_drew(rig: Rig) -> None:
 
     assert received is not None
     assert received.message.stamp_ns == 4_000_000
+    assert received.message.robot_boot_id == rig.robot.boot_id
     assert (received.message.width, received.message.height) == (1280, 720)
     assert received.message.frame == "rgbd_rgb_optical_frame"
     assert [made_of.sequence for made_of in received.envelope.inputs] == [sent.sequence]
@@ -122,6 +123,7 @@ def test_a_capture_is_drawn_on_demand_and_goes_on_the_stream(rig: Rig) -> None:
     captured = rig.operator.call(topics.CAPTURE, CaptureRequest(shadows=True)).message
 
     assert captured.stamp_ns == 6_000_000
+    assert captured.robot_boot_id == rig.robot.boot_id
     streamed = frames.receive(5.0)
     assert streamed is not None
     assert streamed.message.jpeg == captured.jpeg
