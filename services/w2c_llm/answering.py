@@ -12,6 +12,8 @@ from w2c_llm.schema import check_schema
 from w2c_llm.values import violation
 
 _MAX_ANSWER_CHARACTERS = 20_000
+MAX_TEMPERATURE = 10.0
+_SEEDS = 2**63
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ def complete(backend: Backend, request: CompleteRequest, budget: Budget) -> Comp
     """
     check_chat(request.messages, request.constant_messages)
     schema = check_schema(request.schema)
-    sampling = Sampling(request.temperature, request.seed, request.max_tokens)
+    sampling = check_sampling(request)
     first = backend.generate(request.messages, schema, sampling, request.constant_messages, budget)
     value, reason = read_answer(first, schema)
     if reason is None:
@@ -61,6 +63,17 @@ def complete(backend: Backend, request: CompleteRequest, budget: Budget) -> Comp
         f"{backend.name} answered outside its schema twice: {reason}; then {still}. "
         "Use a larger model, more max_tokens or a simpler schema"
     )
+
+
+def check_sampling(request: CompleteRequest) -> Sampling:
+    """Return how to sample. Raises RefusedError for a temperature or a seed that is none."""
+    if not 0.0 <= request.temperature <= MAX_TEMPERATURE:
+        raise RefusedError(
+            f"temperature is {request.temperature}, must be 0 to {MAX_TEMPERATURE:g}"
+        )
+    if not 0 <= request.seed < _SEEDS:
+        raise RefusedError(f"seed is {request.seed}, must be 0 to {_SEEDS - 1}")
+    return Sampling(request.temperature, request.seed, request.max_tokens)
 
 
 def read_answer(generation: Generation, schema: JsonSchema) -> tuple[Any, str | None]:

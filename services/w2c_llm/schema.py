@@ -104,7 +104,9 @@ class _Checker:
             isinstance(name, str) for name in properties
         ):
             raise _refuse(path, "properties must be an object")
-        if not isinstance(required, list) or not set(required) <= set(properties):
+        if not isinstance(required, list) or not all(
+            isinstance(name, str) and name in properties for name in required
+        ):
             raise _refuse(path, f"required {required!r:.80} must be a list of declared properties")
         if node.get("additionalProperties", False) is not False:
             raise _refuse(
@@ -210,5 +212,7 @@ def _checked_number(node: Schema, path: str, _: int) -> Schema:
             or not math.isfinite(value)
         ):
             raise _refuse(path, f"{name} is {value!r:.40}, must be a finite number")
+        if name == "multipleOf" and value <= 0:
+            raise _refuse(path, f"multipleOf is {value}, must be above 0")
         checked[name] = value
     return checked

@@ -8,6 +8,10 @@ from collections.abc import Callable
 from w2c_llm.schema import MAX_STRING, Schema
 
 
+_MAX_BITS = 1000
+"""A longer integer fits no floating-point number: arithmetic on it would fail"""
+
+
 def violation(value: object, schema: Schema, path: str = "$") -> str | None:
     """Return why a value does not fit a checked schema; None when it does."""
     if "enum" in schema:
@@ -69,6 +73,8 @@ def _number_violation(value: object, schema: Schema, path: str) -> str | None:
     kind = schema["type"]
     if isinstance(value, bool) or not isinstance(value, int | float):
         return f"{path} is {_short(value)}, must be a {kind}"
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return f"{path} has {value.bit_length()} bits, must be a {kind} of at most {_MAX_BITS}"
     if not math.isfinite(value) or (kind == "integer" and value != int(value)):
         return f"{path} is {value}, must be a finite {kind}"
     checks: dict[str, Callable[[float, float], bool]] = {
@@ -76,12 +82,17 @@ def _number_violation(value: object, schema: Schema, path: str) -> str | None:
         "maximum": lambda a, b: a <= b,
         "exclusiveMinimum": lambda a, b: a > b,
         "exclusiveMaximum": lambda a, b: a < b,
-        "multipleOf": lambda a, b: abs(a / b - round(a / b)) < 1e-9,
+        "multipleOf": _is_multiple,
     }
     for name, holds in checks.items():
         if name in schema and not holds(value, schema[name]):
             return f"{path} is {value}, breaks {name} {schema[name]}"
     return None
+
+
+def _is_multiple(value: float, step: float) -> bool:
+    ratio = value / step
+    return math.isfinite(ratio) and abs(ratio - round(ratio)) < 1e-9
 
 
 def _boolean_violation(value: object, _: Schema, path: str) -> str | None:

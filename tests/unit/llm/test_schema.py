@@ -31,6 +31,8 @@ UNSUPPORTED = [
     ({**obj(), "additionalProperties": True}, "additionalProperties"),
     ({"type": "object", "required": ["ghost"]}, "required"),
     ({"type": "number", "minimum": math.inf}, "finite"),
+    ({"type": "number", "multipleOf": 0}, "above 0"),
+    ({"type": "object", "required": [{}]}, "required"),
     ({"not": {"type": "null"}}, "type None"),
     ({"type": "integer", "format": "int32"}, "format"),
     ({"enum": []}, "enum"),
@@ -110,6 +112,12 @@ def test_the_verdict_is_that_of_a_full_validator(schema: dict[str, Any], value: 
 @given(value=st.floats() | st.integers())
 def test_a_number_that_is_not_finite_is_no_number(value: float) -> None:
     assert (violation(value, {"type": "number"}) is None) == math.isfinite(value)
+
+
+@pytest.mark.parametrize(("value", "fits"), [(0.3, True), (0.35, False), (1e308, False)])
+def test_multiples_of_a_tiny_step_do_not_overflow(value: float, fits: bool) -> None:
+    step = 1e-300 if value > 1e300 else 0.1
+    assert (violation(value, {"type": "number", "multipleOf": step}) is None) == fits
 
 
 def test_the_reason_names_the_place() -> None:
