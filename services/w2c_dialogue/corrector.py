@@ -3,17 +3,23 @@
 Paper, Methods, "Correction Module".
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from w2c.errors import RefusedError
 from w2c_dialogue.analyzer import objects_of_correction
 from w2c_dialogue.answers import PointAnswer, read
-from w2c_dialogue.expressions import UnknownSymbolError, correction_symbols, evaluate_point
+from w2c_dialogue.expressions import (
+    ImagePoint,
+    UnknownSymbolError,
+    correction_symbols,
+    evaluate_point,
+)
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
 from w2c_dialogue.relative import OUTSIDE
 from w2c_dialogue.sight import Prediction, look, scene_objects, twin_warnings
-from w2c_dialogue.utterance import Utterance
+from w2c_dialogue.utterance import Mention, Utterance
 
 NOTICEABLE = 0.5
 """A shorter move is none [px]."""
@@ -48,8 +54,42 @@ def correct(
     mentions = objects_of_correction(model, prompts, utterance)
     evidence = look(grounding, frame, mentions, "boxes") if mentions else []
     scene = replace(scene, objects=scene_objects(evidence))
-    answer = read(model.complete(prompts.correct(utterance, mentions, scene)), PointAnswer)
     size = (frame.width, frame.height)
+    point, undo = corrected_point(model, prompts, utterance, mentions, scene, size)
+    step = max(abs(point.u - scene.target[0]), abs(point.v - scene.target[1]))
+    if step < NOTICEABLE and not point.clipped:
+        raise RefusedError(
+            "The target stays where it is. Say where to move it, for example: a bit to the left; "
+            "or name another place."
+        )
+    warnings = twin_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
+    return CorrectedPoint(Prediction(point.u, point.v, scene.objects, warnings), undo)
+
+
+def corrected_point(
+    model: LanguageModel,
+    prompts: PromptSet,
+    utterance: Utterance,
+    mentions: Sequence[Mention],
+    scene: CorrectionScene,
+    size: tuple[int, int],
+) -> tuple[ImagePoint, bool]:
+    """Return where a correction moves the target, and whether it only takes back the last move.
+
+    Args:
+        model: Writes the arithmetic.
+        prompts: Of that model.
+        utterance: The correction.
+        mentions: Its words for the objects of the scene, in the same order.
+        scene: What it may refer to.
+        size: Width and height of the picture [px].
+
+    Raises:
+        RefusedError: there is no earlier move to speak of.
+        ModelError: the model's answer cannot be followed.
+        CallError: the model does not answer.
+    """
+    answer = read(model.complete(prompts.correct(utterance, mentions, scene)), PointAnswer)
     try:
         point = evaluate_point(answer.x, answer.y, correction_symbols(scene), size)
     except UnknownSymbolError as error:
@@ -59,12 +99,4 @@ def correct(
                 "Say a direction, for example: a bit to the left."
             ) from error
         raise
-    step = max(abs(point.u - scene.target[0]), abs(point.v - scene.target[1]))
-    if step < NOTICEABLE and not point.clipped:
-        raise RefusedError(
-            "The target stays where it is. Say where to move it, for example: a bit to the left; "
-            "or name another place."
-        )
-    warnings = twin_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
-    undo = (answer.x, answer.y) == _UNDO
-    return CorrectedPoint(Prediction(point.u, point.v, scene.objects, warnings), undo)
+    return point, (answer.x, answer.y) == _UNDO

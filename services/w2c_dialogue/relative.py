@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from w2c_dialogue.answers import PointAnswer, read
-from w2c_dialogue.expressions import evaluate_point, object_symbols
+from w2c_dialogue.expressions import ImagePoint, evaluate_point, object_symbols
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
-from w2c_dialogue.prompts.base import PromptSet
+from w2c_dialogue.prompts.base import PromptSet, SceneObject
 from w2c_dialogue.sight import Prediction, look, scene_objects, twin_warnings
 from w2c_dialogue.utterance import Mention, Utterance
 
@@ -31,10 +31,45 @@ def predict(
     """
     evidence = look(grounding, frame, mentions, "boxes")
     objects = scene_objects(evidence)
-    answer = read(
-        model.complete(prompts.relative(utterance, mentions, objects, pixels_per_cm)), PointAnswer
+    point = relative_point(
+        model,
+        prompts,
+        utterance=utterance,
+        mentions=mentions,
+        objects=objects,
+        pixels_per_cm=pixels_per_cm,
+        size=(frame.width, frame.height),
     )
-    symbols = object_symbols([item.box for item in objects], pixels_per_cm)
-    point = evaluate_point(answer.x, answer.y, symbols, (frame.width, frame.height))
     warnings = twin_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
     return Prediction(point.u, point.v, objects, warnings)
+
+
+def relative_point(
+    model: LanguageModel,
+    prompts: PromptSet,
+    *,
+    utterance: Utterance,
+    mentions: Sequence[Mention],
+    objects: Sequence[SceneObject],
+    pixels_per_cm: float,
+    size: tuple[int, int],
+) -> ImagePoint:
+    """Return the point that the words describe, of objects whose boxes are known.
+
+    Args:
+        model: Writes the arithmetic.
+        prompts: Of that model.
+        utterance: The instruction.
+        mentions: Its words for the objects, in order.
+        objects: The same, in the picture.
+        pixels_per_cm: Scale of the picture there.
+        size: Width and height of the picture [px].
+
+    Raises:
+        ModelError: the model's arithmetic cannot be followed.
+        CallError: the model does not answer.
+    """
+    question = prompts.relative(utterance, mentions, objects, pixels_per_cm)
+    answer = read(model.complete(question), PointAnswer)
+    symbols = object_symbols([item.box for item in objects], pixels_per_cm)
+    return evaluate_point(answer.x, answer.y, symbols, size)
