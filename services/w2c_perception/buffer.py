@@ -48,7 +48,7 @@ class View:
         self.depth_unit = frame.depth_unit
 
     def unpack_depth(self) -> npt.NDArray[np.float32]:
-        """Return the depth (h, w) [m], 0 = unknown. Not kept: unpacked it is fifty times as large.
+        """Return the depth (h, w) [m], 0 = unknown. Not kept here, see `DepthMemory`.
 
         Raises:
             MessageError: the camera sent something else.

@@ -27,6 +27,7 @@ from w2c_perception.buffer import View, ViewBuffer
 from w2c_perception.carrying import verdicts
 from w2c_perception.cloud import Box, decode_colours, point_cloud
 from w2c_perception.config import PerceptionConfig
+from w2c_perception.depths import DepthMemory
 from w2c_perception.heights import Area, height_field
 from w2c_perception.lift import lift
 from w2c_perception.track import RobotTrack
@@ -50,6 +51,7 @@ class PerceptionNode:
         # Held for microseconds: by the loop that remembers, by the handlers that look.
         self._lock = threading.Lock()
         self._views = ViewBuffer(config.history, config.max_frames)
+        self._depths = DepthMemory(config.unpacked_frames)
         self._track: RobotTrack | None = None
         """Used by the loop alone"""
         self._boot_id = ""
@@ -92,6 +94,7 @@ class PerceptionNode:
         """Forget everything."""
         with self._lock:
             self._views.clear()
+        self._depths.clear()
 
     def _describe(self, stop: threading.Event) -> None:
         """Ask the robot what it is, until it answers."""
@@ -115,6 +118,7 @@ class PerceptionNode:
         with self._lock:
             self._views.clear()
             self._boot_id = boot_id
+        self._depths.clear()
 
     def _take_state(self, track: RobotTrack, timeout_s: float) -> bool:
         """Remember the newest state. Returns False where the robot started anew."""
@@ -272,7 +276,7 @@ class PerceptionNode:
                 )
             view = self._views.get(stamp_ns)
         try:
-            return view, view.unpack_depth()
+            return view, self._depths.of(view)
         except MessageError as error:
             raise RefusedError(
                 f"the picture of {view.stamp_ns} ns has no usable depth: {error}"

@@ -58,6 +58,8 @@ def _rows(case: str, pixels: Sequence[PixelResult]) -> list[dict[str, Any]]:
         _share(case, "other_surface", [p.camera_error > SAME_SURFACE for p in answered]),
         row(case, "time_median", [pixel.milliseconds for pixel in pixels], "ms"),
         _percentile(case, "time_p95", [pixel.milliseconds for pixel in pixels], "ms"),
+        row(case, "time_again_median", [pixel.milliseconds_again for pixel in pixels], "ms"),
+        _percentile(case, "time_again_p95", [pixel.milliseconds_again for pixel in pixels], "ms"),
     ]
 
 

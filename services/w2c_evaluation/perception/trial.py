@@ -49,7 +49,10 @@ class PixelResult(msgspec.Struct, frozen=True, kw_only=True):
     normal_error: float = -1.0
     """[rad]"""
     milliseconds: float = -1.0
-    """CPU time of the thread, unpacking of the depth included"""
+    """CPU time of the thread for the first question about a picture, unpacking of the depth
+    included"""
+    milliseconds_again: float = -1.0
+    """... for a later one: unpacked depth is kept"""
     warning: str = ""
 
 
@@ -112,9 +115,10 @@ class Judge:
             depth=float(point[2]),
             known=self._known(u, v, point),
         )
-        surface, milliseconds = self._answer(u, v)
+        surface, first, later = self._answer(u, v)
+        there = msgspec.structs.replace(there, milliseconds=first, milliseconds_again=later)
         if isinstance(surface, str):
-            return msgspec.structs.replace(there, refusal=surface, milliseconds=milliseconds)
+            return msgspec.structs.replace(there, refusal=surface)
         answered = apply(inverse(self._seen.world_from_camera), surface.point)
         normal = self._seen.world_from_camera[:3, :3].T @ surface.normal
         pose_error = self._seen.error(surface.point, self._joint_error)
@@ -125,17 +129,20 @@ class Judge:
             world_error=_distance(surface.point, apply(truth.world_from_camera, point)),
             world_bound=surface.error_bound + pose_error,
             normal_error=float(np.arccos(np.clip(normal @ truth.normals[index], -1.0, 1.0))),
-            milliseconds=milliseconds,
             warning=surface.warning,
         )
 
-    def _answer(self, u: float, v: float) -> tuple[Any, float]:
-        """Return the surface, or the reason of the refusal, and the time it took [ms]."""
+    def _answer(self, u: float, v: float) -> tuple[Any, float, float]:
+        """Return the surface, or the reason of the refusal, and what it takes [ms].
+
+        The first question about a picture unpacks its depth, a later one does not.
+        """
         truth = self._truth
         height, width = truth.depth.shape
         started = time.thread_time()
+        depth = decode_depth(self._encoded, width, height)
+        unpacked = time.thread_time()
         try:
-            depth = decode_depth(self._encoded, width, height)
             answer: Any = self._lift(
                 depth,
                 truth.intrinsics,
@@ -147,7 +154,8 @@ class Judge:
             )
         except RefusedError as error:
             answer = str(error)
-        return answer, 1e3 * (time.thread_time() - started)
+        ended = time.thread_time()
+        return answer, 1e3 * (ended - started), 1e3 * (ended - unpacked)
 
     def _known(self, u: float, v: float, point: Array) -> bool:
         """Tell whether the sensor gave depth of the surface behind a pixel."""

@@ -43,6 +43,7 @@ def pixel(**changes: Any) -> PixelResult:
         "world_bound": 0.004,
         "normal_error": 0.01,
         "milliseconds": 5.0,
+        "milliseconds_again": 2.0,
     }
     return PixelResult(**(values | changes))
 
@@ -213,7 +214,9 @@ def test_the_command_writes_results_and_goes_on(
     assert asked == [(900_007, 4), (900_008, 4), (900_009, 4), (900_010, 4)]
     document = json.loads((tmp_path / "r.json").read_text())
     assert (document["benchmark"], document["seed"]) == ("perception", 7)
-    assert next(r for r in document["rows"] if r["metric"] == "time_median")["n"] == 16
+    times = {r["metric"]: r for r in document["rows"] if r["metric"].startswith("time")}
+    assert times["time_median"]["n"] == 16
+    assert (times["time_median"]["value"], times["time_again_median"]["value"]) == (5.0, 2.0)
     assert "| point error median [mm] | 1 | 1 |" in capsys.readouterr().out
     with pytest.raises(ConfigError, match="answers"):
         bench([*flags, "--pixels", "5", "--resume"])
