@@ -6,9 +6,9 @@ import numpy as np
 
 from w2c_controller.solvers.primal_dual import (
     CROWDED,
-    CYCLES,
-    MOST_SETS,
+    MOST_TRIED,
     NOT_CONVEX,
+    UNDECIDED,
     solve_active_set,
 )
 from w2c_controller.solvers.program import Program, UnsolvedError, Vector
@@ -16,7 +16,7 @@ from w2c_controller.solvers.structure import Structure
 
 _REASONS: Final = {
     NOT_CONVEX: "the cost is not strictly convex, or the equalities depend on each other",
-    CYCLES: f"no optimum among {MOST_SETS} active sets",
+    UNDECIDED: f"no optimum among {MOST_TRIED} active sets",
     CROWDED: "more bounds hold than there are free variables",
 }
 
@@ -39,8 +39,9 @@ class _Workspace:
         self.columns = np.zeros((size + rows, total))
         """U^-T of the normal of a bound, filled when it is first active"""
         self.ready = np.zeros(size + rows, dtype=np.int8)
+        self.first = np.zeros(size + rows, dtype=np.int8)
         self.schur = np.zeros((most, most))
-        self.vectors = np.zeros((4, most))
+        self.vectors = np.zeros((5, most))
         self.point = np.zeros(total)
         self.multipliers = np.zeros(size + rows)
         self.working = np.zeros(most, dtype=np.intp)
@@ -76,6 +77,7 @@ class ActiveSetSolver:
             program.upper,
             program.equalities,
             program.active,
+            space.first,
             *space.structure,
             space.factor,
             space.inverse,
@@ -91,7 +93,7 @@ class ActiveSetSolver:
         )
         if tried < 0:
             program.active[:] = 0
-            self.iterations += MOST_SETS if tried == CYCLES else 1
+            self.iterations += MOST_TRIED if tried == UNDECIDED else 1
             raise UnsolvedError(f"active set: {_REASONS[tried]}", program)
         self.iterations += tried
         return space.x

@@ -168,7 +168,19 @@ def solve_positive(matrix: Matrix, right: Vector, least: Vector, used: Vector, s
         used: (size,) out: 1 where the row counts, 0 where it depends on those before.
         size: Number of rows.
     """
-    for k in range(size):
+    reduce_positive(matrix, right, least, used, size, size)
+    substitute_positive(matrix, right, used, size)
+
+
+@compiled
+def reduce_positive(
+    matrix: Matrix, right: Vector, least: Vector, used: Vector, count: int, size: int
+) -> None:
+    """Eliminate the first rows of S mu = r; see `solve_positive`.
+
+    Of the others, S and r become what is left when the first are solved for.
+    """
+    for k in range(count):
         pivot = matrix[k, k]
         used[k] = 1.0 if pivot > least[k] else 0.0
         if used[k] == 0.0:
@@ -184,7 +196,14 @@ def solve_positive(matrix: Matrix, right: Vector, least: Vector, used: Vector, s
         for j in range(k + 1, size):
             source[j] *= inverse
         right[k] *= inverse
-    for i in range(size):
-        k = size - 1 - i
+
+
+@compiled
+def substitute_positive(matrix: Matrix, right: Vector, used: Vector, count: int) -> None:
+    """Find mu (count,) from a reduced right-hand side, in place; see `reduce_positive`."""
+    for i in range(count):
+        k = count - 1 - i
         if used[k] != 0.0:
-            right[k] -= dot(matrix[k, k + 1 : size], right[k + 1 : size])
+            right[k] -= dot(matrix[k, k + 1 : count], right[k + 1 : count])
+        else:
+            right[k] = 0.0

@@ -17,6 +17,7 @@ from w2c_controller.solvers import (
     Solver,
     UnsolvedError,
 )
+from w2c_controller.solvers.primal_dual import MOST_SETS
 from w2c_controller.solvers.structure import Structure
 
 
@@ -104,6 +105,46 @@ def test_a_wrong_first_set_is_swapped_or_left_to_the_next_solver(
     wrong[program.size : program.size + program.equalities] = 0
     program.active[:] = wrong
     np.testing.assert_allclose(FallbackSolver().solve(program), expected, atol=1e-6)
+
+
+def _corner(seed: int) -> Program:
+    """Return a program with many more bounds through its optimum than it has variables."""
+    rng = np.random.default_rng(seed)
+    size, rows = 6, 24
+    program = Program.empty(size, 1, rows)
+    root = rng.standard_normal((size + 2, size))
+    program.hessian[:] = root.T @ root + np.eye(size)
+    program.rows[:] = rng.standard_normal(program.rows.shape)
+    program.rows[13:] = program.rows[1:13] * rng.uniform(-2.0, -0.5, (12, 1))
+    corner = rng.standard_normal(size)
+    values = program.rows @ corner
+    program.lower[size], program.upper[size:] = values[0], values
+    program.lower[size + 13 :] = program.upper[size + 13 :] - 1.0
+    pull = rng.uniform(0.0, 5.0, rows) @ program.rows[1:]
+    program.gradient[:] = -program.hessian @ corner - pull
+    return program
+
+
+def test_where_swaps_do_not_end_bounds_join_one_by_one() -> None:
+    stepped = 0
+    for seed in range(40):
+        program, solver = _corner(seed), ActiveSetSolver()
+        x = solver.solve(program)
+        assert program.residual(x, solver.multipliers) < 1e-6
+        stepped += solver.iterations > MOST_SETS
+    assert stepped > 10
+
+
+def test_what_has_no_optimum_is_left_to_the_next_solver() -> None:
+    program = Program.empty(3, 0, 3)
+    program.hessian[:] = np.eye(3)
+    program.gradient[:] = [-1.0, -2.0, -3.0]
+    program.rows[:] = [[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 2.0, 1.0]]
+    program.upper[3:] = [-1.0, -1.0, 1e30]
+    program.lower[5] = -1.0
+    with pytest.raises(UnsolvedError, match="no optimum among"):
+        ActiveSetSolver().solve(program)
+    assert not program.active.any()
 
 
 def test_a_program_of_limbs_is_solved_as_if_it_had_none() -> None:
