@@ -24,6 +24,9 @@ class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     actively for each other: more threads than free cores make every call many times slower."""
     gpu_layers: Annotated[int, msgspec.Meta(ge=-1)] = 0
     """Layers on the GPU, where llama.cpp was built for one; -1: all."""
+    constraint: Literal["llguidance", "gbnf"] = "llguidance"
+    """llama_cpp: what keeps answers within their schema. gbnf: llama.cpp's own grammars, a hundred
+    times slower with a large vocabulary, for machines that llguidance has no wheel for."""
     queue: Annotated[int, msgspec.Meta(ge=1, le=64)] = 8
     """Requests that may wait; more are refused."""
     deadline: Annotated[float, msgspec.Meta(gt=0, le=600)] = 55.0

@@ -10,7 +10,7 @@ from w2c.errors import ModelError, RefusedError
 from w2c.messages import ChatMessage
 from w2c_llm.backend import Budget, Capabilities, Generation, JsonSchema, Sampling, Scores, Usage
 from w2c_llm.chat_template import ChatTemplate
-from w2c_llm.constraint import Constraint, ConstraintCompiler
+from w2c_llm.constraint import Constraint, ConstraintKind, make_compiler
 from w2c_llm.llama_model import LlamaModel
 from w2c_llm.sequences import Logits, Sequences
 
@@ -25,7 +25,13 @@ class LlamaCppBackend:
     """One model, one context. Not thread-safe: the engine's thread owns it."""
 
     def __init__(
-        self, path: Path, *, context: int = 4096, threads: int = 2, gpu_layers: int = 0
+        self,
+        path: Path,
+        *,
+        context: int = 4096,
+        threads: int = 2,
+        gpu_layers: int = 0,
+        constraint: ConstraintKind = "llguidance",
     ) -> None:
         """Load a model.
 
@@ -35,6 +41,7 @@ class LlamaCppBackend:
                 prefixes.
             threads: For evaluation.
             gpu_layers: Layers on the GPU; -1 = all.
+            constraint: What keeps answers within their schema.
 
         Raises:
             ConfigError: there is no such file.
@@ -52,7 +59,7 @@ class LlamaCppBackend:
             self._model.control_texts,
         )
         self._sequences = Sequences(self._model, context, threads)
-        self._compiler = ConstraintCompiler(self._model)
+        self._compiler = make_compiler(constraint, self._model)
         self._limit = min(self._sequences.cells, self._model.trained_context)
 
     @property

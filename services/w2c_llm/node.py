@@ -110,7 +110,11 @@ def make_backend(config: LlmConfig) -> Backend:
     several = max(1, (os.cpu_count() or 1) // 2)
     threads = config.threads or (1 if path == EMBEDDED_MODEL else several)
     return LlamaCppBackend(
-        path, context=config.context, threads=threads, gpu_layers=config.gpu_layers
+        path,
+        context=config.context,
+        threads=threads,
+        gpu_layers=config.gpu_layers,
+        constraint=config.constraint,
     )
 
 

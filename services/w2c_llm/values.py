@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 from w2c_llm.schema import MAX_STRING, Schema
 
-
 _MAX_BITS = 1000
 """A longer integer fits no floating-point number: arithmetic on it would fail"""
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from fakes.chat_server import ChatServer, completion
 from fakes.language_model import ScriptedBackend
+from support.words import words_without_marks
 from w2c import topics
 from w2c.bus import Bus
 from w2c.bus.inprocess import InProcessHub
@@ -103,7 +104,7 @@ def test_a_hundred_kilobytes_are_refused_and_the_next_request_is_answered(
 
 
 @settings(max_examples=60, deadline=None)
-@given(text=st.text(max_size=60))
+@given(text=words_without_marks())
 def test_no_text_at_all_breaks_the_model(shared_backend: LlamaCppBackend, text: str) -> None:
     answer = complete(shared_backend, asked(text), minute())
     assert answer.value["position"] in ("absolute", "relative")
@@ -158,10 +159,25 @@ json_values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner),
     max_leaves=8,
 )
-keywords = st.sampled_from(
-    ["type", "properties", "required", "items", "maxItems", "minItems", "enum", "const", "$ref"]
-    + ["pattern", "maxLength", "minimum", "anyOf", "$defs", "additionalProperties", "multipleOf"]
-)
+KEYWORDS = [
+    "type",
+    "properties",
+    "required",
+    "items",
+    "maxItems",
+    "minItems",
+    "enum",
+    "const",
+    "$ref",
+    "pattern",
+    "maxLength",
+    "minimum",
+    "anyOf",
+    "$defs",
+    "additionalProperties",
+    "multipleOf",
+]
+keywords = st.sampled_from(KEYWORDS)
 kinds = st.sampled_from(["object", "array", "string", "integer", "number", "boolean", "null"])
 
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from support.words import words_without_marks
 from w2c.clock import RealClock, StepClock
 from w2c.errors import ConfigError, DeadlineError, ModelError, RefusedError
 from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest
@@ -45,7 +46,7 @@ SCHEMAS: list[dict[str, Any]] = [
 )
 @given(
     schema=st.sampled_from(SCHEMAS),
-    words=st.text(max_size=40),
+    words=words_without_marks(),
     seed=st.integers(0, 2**31),
     temperature=st.sampled_from([0.0, 0.7, 3.0]),
 )
