@@ -1,4 +1,4 @@
-"""`w2c dialogue`: the service. `w2c dialogue corpus`: write the corpus of the embedded model."""
+"""`w2c dialogue`: the service, and its verbs `batch` (modules on lines of JSON) and `corpus`."""
 
 import sys
 from collections.abc import Callable
@@ -23,6 +23,10 @@ def main(arguments: list[str] | None = None) -> int:
         from w2c_dialogue.corpus.commands import corpus
 
         return corpus(argv[1:])
+    if argv[:1] == ["batch"]:
+        from w2c_dialogue.batch.commands import batch
+
+        return batch(argv[1:])
     return service.main("dialogue", DialogueConfig, load_node, argv, extra="dialogue")
 
 

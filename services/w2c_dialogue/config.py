@@ -1,18 +1,19 @@
 """Flags of the dialogue service."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import msgspec
 
 from w2c.config import ServiceConfig
 from w2c_dialogue.advice.veto import UncheckedVeto
 from w2c_dialogue.advice.wordlist import FRAGILE, VETOED
+from w2c_dialogue.prompts.sets import PromptSetName
 
 
 class DialogueConfig(ServiceConfig, frozen=True, kw_only=True):
     """The conversation with the operator: words, clicks and confirmations to targets and goals."""
 
-    prompts: Literal["embedded", "large"] = "embedded"
+    prompts: PromptSetName = "embedded"
     """Prompt set: `embedded` for the model of this repository, `large` for any general model."""
     seed: int = 0
     """Seed of the language model's answers."""

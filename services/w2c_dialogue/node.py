@@ -34,18 +34,12 @@ from w2c_dialogue.frames import FrameStore
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.limbs import Limbs
 from w2c_dialogue.pipeline import Dialogue
-from w2c_dialogue.prompts.base import PromptSet
-from w2c_dialogue.prompts.embedded import EmbeddedPrompts
-from w2c_dialogue.prompts.large import LargePrompts
+from w2c_dialogue.prompts.sets import PROMPT_SETS
 from w2c_dialogue.remote import RemoteServices
 
 _LOG = logging.getLogger("w2c.dialogue")
 M = TypeVar("M", bound=Message)
 
-PROMPT_SETS: dict[str, Callable[[], PromptSet]] = {
-    EmbeddedPrompts.name: EmbeddedPrompts,
-    LargePrompts.name: LargePrompts,
-}
 POLL_S = 0.2
 """How long a thread waits for a message before it looks for the end."""
 REPEAT_S = 0.5

@@ -10,12 +10,12 @@ from w2c.bus.zenoh_bus import connect
 from w2c.config import ServiceConfig
 from w2c.errors import W2CError
 from w2c.messages import Empty
+from w2c.private_system import running_system
 from w2c_evaluation.demo.layout import draw_layout
 from w2c_evaluation.demo.operator import LineResult, Operator, ScenarioError
 from w2c_evaluation.demo.picture import draw_target
 from w2c_evaluation.demo.scenario import SCENARIO_A, Line
 from w2c_evaluation.demo.summary import make_summary, write_summary
-from w2c_evaluation.demo.system import running_system
 
 log = logging.getLogger("w2c.demo")
 

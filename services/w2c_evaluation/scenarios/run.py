@@ -18,8 +18,8 @@ from w2c.config import ServiceConfig
 from w2c.errors import W2CError
 from w2c.library import library
 from w2c.messages import Empty
+from w2c.private_system import running_system
 from w2c.system import SystemFile
-from w2c_evaluation.demo.system import running_system
 from w2c_evaluation.scenarios.cause import cause_of_turn, find_cause
 from w2c_evaluation.scenarios.conversation import Conversation
 from w2c_evaluation.scenarios.experiments import Experiment

@@ -1,4 +1,4 @@
-"""Start a private system for an experiment, and end it whatever happens."""
+"""A whole system for one experiment: started on private ports, ended whatever happens."""
 
 import signal
 import subprocess

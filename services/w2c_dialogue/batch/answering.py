@@ -1,0 +1,155 @@
+"""A batch's questions, answered by the modules that the robot's dialogue runs."""
+
+from collections.abc import Sequence
+
+from w2c.errors import ModelError
+from w2c_dialogue.analyzer import analyze, objects_of_correction
+from w2c_dialogue.batch.lines import (
+    Analyze,
+    Answer,
+    Correct,
+    Dialogue,
+    Effector,
+    Question,
+    Relative,
+    Select,
+    Thing,
+)
+from w2c_dialogue.corrector import corrected_point
+from w2c_dialogue.effector import choose_effector
+from w2c_dialogue.interfaces import LanguageModel
+from w2c_dialogue.prompts.base import CorrectionScene, Move, PromptSet, SceneObject
+from w2c_dialogue.relative import relative_point
+from w2c_dialogue.selector import Selection, select
+from w2c_dialogue.utterance import Mention, Span, Utterance, fold, parse
+
+SIZE = (1280, 720)
+"""Of the pictures that a batch speaks of [px]"""
+
+
+class Answering:
+    """One language model and one prompt set."""
+
+    def __init__(self, model: LanguageModel, prompts: PromptSet) -> None:
+        self._model = model
+        self._prompts = prompts
+
+    def answer(self, question: Question) -> Answer:
+        """Return the fields of the answer beside the id.
+
+        Raises:
+            W2CError: the text is refused, or the model did not give a usable answer.
+        """
+        match question:
+            case Select():
+                return self._select(question.text)
+            case Analyze():
+                analysis = analyze(self._model, self._prompts, parse(question.text))
+                objects = [mention.phrase for mention in analysis.mentions]
+                return {"position": analysis.position, "objects": objects}
+            case Effector():
+                limb, task = choose_effector(self._model, self._prompts, parse(question.text))
+                return {"end_effector": limb or "unspecified", "task_type": task}
+            case Relative():
+                return self._relative(question)
+            case Correct():
+                return self._correct(question)
+            case Dialogue():
+                return {"modules": self._dialogue(question.turns)}
+
+    def _select(self, text: str) -> Answer:
+        choice = self._choose(text, has_target=True)
+        return {"module": choice.module, "probabilities": choice.probabilities}
+
+    def _choose(self, text: str, *, has_target: bool) -> Selection:
+        return select(self._model, self._prompts, parse(text), has_target=has_target)
+
+    def _dialogue(self, turns: Sequence[str]) -> list[str]:
+        """Return the module of each turn; the first target appears with the first instruction."""
+        modules: list[str] = []
+        for text in turns:
+            modules.append(self._choose(text, has_target=bool(modules)).module)
+        return modules
+
+    def _relative(self, question: Relative) -> Answer:
+        utterance = parse(question.text)
+        named = name_things(utterance, question.objects)
+        if named is None:
+            analysis = analyze(self._model, self._prompts, utterance)
+            named = pair_things(analysis.mentions, question.objects)
+        mentions, objects = named
+        point = relative_point(
+            self._model,
+            self._prompts,
+            utterance=utterance,
+            mentions=mentions,
+            objects=objects,
+            pixels_per_cm=question.px_per_cm,
+            size=SIZE,
+        )
+        return {"point": [point.u, point.v], "clipped": point.clipped}
+
+    def _correct(self, question: Correct) -> Answer:
+        utterance = parse(question.text)
+        named = name_things(utterance, question.objects)
+        if named is None:
+            mentions = objects_of_correction(self._model, self._prompts, utterance)
+            named = pair_things(mentions, question.objects)
+        moves = tuple(Move(du, dv) for du, dv in question.previous_moves)
+        start = (
+            question.target[0] - sum(move.du for move in moves),
+            question.target[1] - sum(move.dv for move in moves),
+        )
+        scene = CorrectionScene(
+            question.target, start, moves, ("",) * len(moves), named[1], question.px_per_cm
+        )
+        point, _ = corrected_point(self._model, self._prompts, utterance, named[0], scene, SIZE)
+        return {"point": [point.u, point.v], "clipped": point.clipped}
+
+
+Named = tuple[tuple[Mention, ...], tuple[SceneObject, ...]]
+
+
+def name_things(utterance: Utterance, things: Sequence[Thing]) -> Named | None:
+    """Return things with their words in an utterance, in order of mention.
+
+    None where the words of one are not in it: then a model has to say which words mean it.
+    """
+    found: list[tuple[Span, Thing]] = []
+    for thing in things:
+        span = find_words(utterance, thing.phrase, [span for span, _ in found])
+        if span is None:
+            return None
+        found.append((span, thing))
+    found.sort(key=lambda entry: entry[0][0])
+    mentions = tuple(Mention(utterance.phrase(span), span) for span, _ in found)
+    return mentions, tuple(SceneObject(thing.phrase, thing.box) for _, thing in found)
+
+
+def find_words(utterance: Utterance, phrase: str, taken: Sequence[Span]) -> Span | None:
+    """Return the first words of an utterance that are a phrase and are not taken, or None."""
+    wanted = [_bare(word) for word in phrase.split() if _bare(word)]
+    words = [_bare(word) for word in utterance.folded]
+    for first in range(len(words) - len(wanted) + 1):
+        last = first + len(wanted)
+        free = all(last <= span[0] - 1 or first >= span[1] for span in taken)
+        if wanted and free and words[first:last] == wanted:
+            return Span(first + 1, last)
+    return None
+
+
+def pair_things(mentions: Sequence[Mention], things: Sequence[Thing]) -> Named:
+    """Return the mentions that a model found with the things, both in order of mention.
+
+    Raises:
+        ModelError: there are more mentions than things.
+    """
+    if len(mentions) > len(things):
+        phrases = ", ".join(f"'{mention.phrase}'" for mention in mentions)
+        raise ModelError(f"{phrases} were heard, and the line gives {len(things)} objects")
+    objects = tuple(SceneObject(thing.phrase, thing.box) for thing in things[: len(mentions)])
+    return tuple(mentions), objects
+
+
+def _bare(word: str) -> str:
+    return fold(word).rstrip(",").removesuffix("'s")

@@ -1,0 +1,1 @@
+"""How often what people say is understood (`w2c evaluate language`)."""
