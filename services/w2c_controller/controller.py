@@ -79,8 +79,8 @@ class Controller:
         self._blend = Blend(self._command, self.parameters.motion.blend_time, self.dt)
         self._tick = 0
         self._solved = True
-        self._supervises = False
-        """Whether a measurement was taken that supervision has not looked at"""
+        self._unseen = 0
+        """Steps of `_look` that the newest measurement still waits for"""
         self._aborted = False
         self._stop = Stop()
         self._handout: Handout[DesiredState] = Handout()
@@ -233,19 +233,29 @@ class Controller:
 
     # --- parts of a tick -------------------------------------------------------------------------
     def _sense(self, state: RobotState) -> None:
-        """Measure at every fourth tick, and look at the contacts at the next: no tick does all."""
+        """Measure at every fourth tick, and look at it at the next two: no tick does all."""
         if not self.takeover.done:
             return
-        if state.tick % SENSE_EVERY == 0:
-            self.body.measure(state)
-            self._supervises = True
+        if state.tick % SENSE_EVERY:
+            self._look()
+            return
+        while self._unseen:
+            # A tick did not come.
+            self._look()
+        self.body.measure(state)
+        self._unseen = 2
+
+    def _look(self) -> None:
+        """Look at the contacts by the newest measurement; at the next call, give way to it."""
+        if self._unseen == 2:
             overload = self._guards.inspect_loads(self.body.measured, SENSE_EVERY * self.dt)
             if overload is not None:
                 self._holds.found(overload, self._tick)
-        elif self._supervises:
-            self._supervises = False
             for finding in self.body.supervise():
                 self._holds.tell(finding.hazard(), self._tick)
+        elif self._unseen == 1:
+            self.body.give_way()
+        self._unseen = max(self._unseen - 1, 0)
 
     def _solve(self) -> None:
         self._solved = self.body.solve(self._blend.advance())

@@ -116,7 +116,7 @@ class WholeBody:
         return self._loads.update(state)
 
     def measure(self, state: RobotState) -> None:
-        """Take the measurements of one state; `supervise` follows at the next tick."""
+        """Take the measurements of one state; `supervise` and `give_way` follow."""
         enabled = self.retargeting.state.enabled
         left, right = enabled[:2]
         feet = (0, 1) if left == right else (0, 0) if left else (1, 1)
@@ -126,11 +126,14 @@ class WholeBody:
         self.measured = self._payloads.relieve(measured)
 
     def supervise(self) -> list[Finding]:
-        """Give way to the newest forces; returns what is wrong with the contacts."""
+        """Look at the newest forces; returns what is wrong with the contacts."""
+        return self.switching.supervise(self.measured)
+
+    def give_way(self) -> None:
+        """Let what is free give way to the newest forces."""
         retargeting = self.retargeting
         rotations, enabled = retargeting.kinematics.rotations, retargeting.state.enabled
         self._admittance.step(self.measured, rotations, enabled)
-        return self.switching.supervise(self.measured)
 
     def switch(self) -> list[Event]:
         """Advance goals by one tick; returns what happened to them."""
@@ -163,14 +166,15 @@ class WholeBody:
             command,
         )
         if self._gaze is not None:
-            leaning = any(state.enabled[k] for k in HANDS)
+            _, _, left, right = state.enabled
+            leaning = left or right
             self._gaze.move_head(command, self.retargeting.kinematics, leaning=leaning)
         return command
 
     def away(self) -> tuple[bool, bool]:
         """Return which hands lean, or are away from their rest: left, right."""
-        _, _, leans_left, leans_right = self.retargeting.state.enabled
-        targets, rest = self.hands.targets, self.hands.rest
-        left = leans_left or largest_difference(targets[LEFT_HAND], rest[LEFT_HAND]) > AWAY
-        right = leans_right or largest_difference(targets[RIGHT_HAND], rest[RIGHT_HAND]) > AWAY
-        return left, right
+        _, _, left, right = self.retargeting.state.enabled
+        return left or self._is_far(LEFT_HAND), right or self._is_far(RIGHT_HAND)
+
+    def _is_far(self, hand: int) -> bool:
+        return largest_difference(self.hands.targets[hand], self.hands.rest[hand]) > AWAY

@@ -203,17 +203,16 @@ class Guards:
             elapsed: Since the last look [s].
         """
         limit = self._limits.hand_force
-        for row, k in enumerate(HANDS):
-            x, y, z = measured.hands[row].tolist()
+        for row, (x, y, z) in enumerate(measured.hands.tolist()):
             force = math.sqrt(x * x + y * y + z * z)
             if not force > limit:
                 self._overloaded[row] = 0.0
                 continue
             self._overloaded[row] += elapsed
             if self._overloaded[row] >= self._overload_time:
-                name = EFFECTORS[k].replace("_", " ")
-                text = f"the {name} bears {force:.0f} N, limit {limit:.0f} N"
-                return Hazard("hand_overload", text, EFFECTORS[k], force, limit, "N")
+                hand = EFFECTORS[HANDS[row]]
+                text = f"the {hand.replace('_', ' ')} bears {force:.0f} N, limit {limit:.0f} N"
+                return Hazard("hand_overload", text, hand, force, limit, "N")
         return None
 
     def inspect_solution(self, solved: bool) -> Hazard | None:

@@ -171,6 +171,8 @@ class Holds:
 
     def text(self) -> str:
         """Return for the operator what happened and what to do; "" = nothing."""
+        if not self._active:
+            return ""
         return "; ".join(
             f"{active.hazard.text}: {RULES[cause].advice}" for cause, active in self._active.items()
         )

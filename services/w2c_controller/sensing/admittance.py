@@ -42,7 +42,7 @@ class Admittance:
         ]
         self._gains = np.array([_as_row(gain) for gain in gains])
         self._zero = np.full((4, 3), np.nan)
-        self._forces = np.zeros((4, 3))
+        self._force = np.zeros(3)
         self.displacements = np.zeros((4, 3))
         """(4, 3) of the targets, in the world [m]"""
 
@@ -56,17 +56,17 @@ class Admittance:
         """
         if not self._active:
             return
-        for k in FEET:
-            if not enabled[k]:
-                self._forces[k] = rotations[k] @ measured.feet[k, :3]
-        self._forces[2:] = measured.hands
-        for k in range(4):
-            if enabled[k]:
-                self.displacements[k] = 0.0
-            else:
-                _give_way(
-                    self._dt, self._gains[k], self._forces[k], self._zero[k], self.displacements[k]
-                )
+        give_way(
+            self._dt,
+            self._gains,
+            measured.feet,
+            measured.hands,
+            rotations,
+            enabled,
+            self._force,
+            self._zero,
+            self.displacements,
+        )
 
 
 def _as_row(gains: AdmittanceGains) -> Vector:
@@ -83,7 +83,32 @@ def _as_row(gains: AdmittanceGains) -> Vector:
 
 
 @compiled
-def _give_way(dt: float, gains: Vector, force: Vector, zero: Vector, displacement: Vector) -> None:
+def give_way(
+    dt: float,
+    gains: Matrix,
+    feet: Matrix,
+    hands: Matrix,
+    rotations: Matrix,
+    enabled: Enabled,
+    force: Vector,
+    zero: Matrix,
+    displacements: Matrix,
+) -> None:
+    """Move all displacements (4, 3) by one step; `force` (3,) is overwritten."""
+    for k in range(4):
+        if enabled[k]:
+            for i in range(3):
+                displacements[k, i] = 0.0
+            continue
+        for i in range(3):
+            force[i] = hands[k - 2, i] if k >= 2 else 0.0
+            for j in range(3 if k < 2 else 0):
+                force[i] += rotations[k, i, j] * feet[k, j]
+        _move(dt, gains[k], force, zero[k], displacements[k])
+
+
+@compiled
+def _move(dt: float, gains: Vector, force: Vector, zero: Vector, displacement: Vector) -> None:
     """Move one displacement and its zero by one step."""
     if not math.isfinite(force[0] + force[1] + force[2]):
         return

@@ -21,6 +21,7 @@ from w2c_controller.sensing.hand_forces import feel_hands
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
 
 FORCE_CUTOFF_HZ = 10.0
 
@@ -64,24 +65,38 @@ class LoadEstimator:
         self._q[6] = 1.0
         self._bodies = (np.zeros((bodies, 3, 3)), np.zeros((bodies, 3)), np.zeros((bodies, 3)))
         self._positions, self._rotations = np.zeros((4, 3)), np.zeros((4, 3, 3))
-        self._jacobians, self._local = np.zeros((4, 6, nv)), np.zeros((2, 6, nv))
+        self._jacobians = (np.zeros((4, 6, nv)), np.zeros((2, 6, nv)))
         self._work = np.zeros((5, max(self._arm.size, 3)))
         self._alpha = low_pass_gain(FORCE_CUTOFF_HZ, dt)
-        self._raw = np.full(18 + controlled.nj, np.nan)
+        self._soles = np.zeros((2, 6))
         self._filtered = np.full(18 + controlled.nj, np.nan)
+        """Wrenches of the soles, forces on the hands, torques"""
+        self._raw = self._filtered.copy()
 
     def update(self, state: RobotState, feet_on_ground: FeetOnGround = BOTH_FEET) -> Measured:
         """Return the loads of one state; NaN where a sensor says NaN."""
-        raw = self._raw
         joints, torque = state.position[self._joint_indices], state.torque[self._joint_indices]
-        raw[:12] = state.sole_wrenches.ravel()
-        raw[18:] = torque
-        known = bool(np.isfinite(joints).all())
-        if known:
-            self._feel(joints, torque, state.left_wrist_wrench, feet_on_ground)
-        else:
-            raw[12:18] = np.nan
-        _low_pass(self._alpha, raw, self._filtered)
+        self._soles[:] = state.sole_wrenches
+        known = estimate_loads(
+            joints,
+            torque,
+            self._soles,
+            state.left_wrist_wrench,
+            feet_on_ground,
+            self._q,
+            *self._kinematic,
+            *self._bodies,
+            self._positions,
+            self._rotations,
+            *self._jacobians,
+            self._arm,
+            self._centers,
+            self._weights,
+            self._work,
+            self._alpha,
+            self._raw,
+            self._filtered,
+        )
         filtered = self._filtered.copy()
         return Measured(
             feet=filtered[:12].reshape(2, 6),
@@ -91,36 +106,90 @@ class LoadEstimator:
             rotations=self._rotations.copy() if known else np.full((4, 3, 3), np.nan),
         )
 
-    def _feel(self, joints: Vector, torque: Vector, wrist: Vector, feet: FeetOnGround) -> None:
-        """Fill frames in the base's, and the raw forces on the hands, in the world."""
-        self._q[7:] = joints
-        rotations = self._rotations
+
+@compiled
+def estimate_loads(
+    joints: Vector,
+    torque: Vector,
+    soles: Matrix,
+    wrist: Vector,
+    feet: tuple[int, int],
+    q: Vector,
+    parents: Indices,
+    joint_rotations: Matrix,
+    joint_origins: Matrix,
+    joint_axes: Matrix,
+    effector_bodies: Indices,
+    effector_rotations: Matrix,
+    effector_origins: Matrix,
+    supports: Indices,
+    body_rotations: Matrix,
+    origins: Matrix,
+    axes: Matrix,
+    positions: Matrix,
+    rotations: Matrix,
+    jacobians: Matrix,
+    local_jacobians: Matrix,
+    arm: Indices,
+    centers: Matrix,
+    weights: Vector,
+    work: Matrix,
+    alpha: float,
+    raw: Vector,
+    filtered: Vector,
+) -> bool:
+    """Fill frames in the base's, and the loads, raw and filtered; see `LoadEstimator`.
+
+    Returns:
+        Whether all joint angles are finite; frames and forces on hands are not known otherwise.
+    """
+    known = True
+    for i in range(joints.shape[0]):
+        known = known and math.isfinite(joints[i])
+        q[7 + i] = joints[i]
+        raw[18 + i] = torque[i]
+    for i in range(12):
+        raw[i] = soles[i // 6, i % 6]
+    if known:
         place(
-            self._q,
-            *self._kinematic,
-            *self._bodies,
-            self._positions,
+            q,
+            parents,
+            joint_rotations,
+            joint_origins,
+            joint_axes,
+            effector_bodies,
+            effector_rotations,
+            effector_origins,
+            supports,
+            body_rotations,
+            origins,
+            axes,
+            positions,
             rotations,
-            self._jacobians,
-            self._local,
+            jacobians,
+            local_jacobians,
         )
-        body_rotations, origins, axes = self._bodies
         feel_hands(
             rotations[feet[0]],
             rotations[feet[1]],
             rotations[LEFT_HAND],
             wrist,
-            self._arm,
+            arm,
             torque,
-            self._jacobians[RIGHT_HAND],
+            jacobians[RIGHT_HAND],
             axes,
             origins,
             body_rotations,
-            self._centers,
-            self._weights,
-            self._work,
-            self._raw[12:18],
+            centers,
+            weights,
+            work,
+            raw[12:18],
         )
+    else:
+        for i in range(12, 18):
+            raw[i] = math.nan
+    _low_pass(alpha, raw, filtered)
+    return known
 
 
 @compiled

@@ -42,6 +42,8 @@ class Payloads:
         self._step = parameters.payload_rate * dt
         self.masses = np.zeros(2)
         """(2,) left, right [kg]"""
+        self._empty = True
+        """Whether both are zero"""
 
     def begin(self, measured: Measured, free: tuple[bool, bool]) -> None:
         """Take what free hands carry at the start as it is measured, at once."""
@@ -64,7 +66,7 @@ class Payloads:
 
     def relieve(self, measured: Measured) -> Measured:
         """Return the forces without the weights of the masses: what contacts exert."""
-        if not self.masses.any():
+        if self._empty:
             return measured
         hands = measured.hands.copy()
         hands[:, 2] += GRAVITY * self.masses
@@ -83,6 +85,7 @@ class Payloads:
         body, own = self._bodies[row], self._own_weights[row]
         force = -GRAVITY * mass
         self.masses[row] = mass
+        self._empty = not self.masses.any()
         self._weights[body] = own + force
         self._centers[body] = (own * self._own_centers[row] + force * self._arms[row]) / (
             own + force

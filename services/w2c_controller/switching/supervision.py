@@ -127,6 +127,21 @@ class ContactWatch:
         """(4,) of the last step [m]"""
         self._allowed = np.zeros(4)
         """(4,) its limit [m]"""
+        self._memory = (
+            self._radii,
+            self._wanted,
+            self._missing,
+            self._farthest,
+            self._numbers,
+            self._timers,
+            self._places,
+            self._turned,
+            self._slips,
+            self._told,
+            self._measured,
+            self._motion,
+            self._allowed,
+        )
 
     def set(self, effector: int, watched: bool) -> None:
         """Begin or end to watch a contact; it is watched as it was where that is no change."""
@@ -142,42 +157,18 @@ class ContactWatch:
 
     def step(self, state: DesiredState, feelers: Feelers, measured: Measured) -> Finding | None:
         """Look at one measurement; returns the first contact that began not to hold, if any."""
-        code = _weigh(
+        code = _look(
             self._watched,
             state.wrenches,
             measured.feet,
-            measured.hands,
-            feelers.normals,
-            feelers.tares,
-            self._wanted,
-            self._missing,
-            self._numbers,
-            self._timers,
-            self._told,
-            self._measured,
-        )
-        slipping = follow_contacts(
-            self._watched,
-            state.wrenches,
             measured.hands,
             measured.positions,
             measured.rotations,
             state.target_rotations,
             feelers.normals,
             feelers.tares,
-            self._radii,
-            self._missing,
-            self._farthest,
-            self._numbers,
-            self._places,
-            self._turned,
-            self._slips,
-            self._told,
-            self._measured,
-            self._motion,
-            self._allowed,
+            *self._memory,
         )
-        code = slipping if code == NOTHING else code
         if code == NOTHING:
             return None
         trouble, effector = divmod(int(code), 4)
@@ -191,6 +182,70 @@ class ContactWatch:
             limit=float(limits[trouble]),
             desired=float(state.wrenches[effector, 2]),
         )
+
+
+@compiled
+def _look(
+    watched: Flags,
+    wrenches: Matrix,
+    feet: Matrix,
+    hands: Matrix,
+    positions: Matrix,
+    rotations: Matrix,
+    standing_rotations: Matrix,
+    normals: Matrix,
+    tares: Matrix,
+    radii: Vector,
+    wanted: Vector,
+    missing: Vector,
+    farthest: Vector,
+    numbers: Vector,
+    timers: Matrix,
+    places: Matrix,
+    turned: Matrix,
+    slips: Matrix,
+    told: Flags,
+    measured: Vector,
+    motion: Vector,
+    allowed: Vector,
+) -> int:
+    """Weigh all contacts and follow where they are; returns 4 trouble + effector, or -1."""
+    heavy = _weigh(
+        watched,
+        wrenches,
+        feet,
+        hands,
+        normals,
+        tares,
+        wanted,
+        missing,
+        numbers,
+        timers,
+        told,
+        measured,
+    )
+    slipping = follow_contacts(
+        watched,
+        wrenches,
+        hands,
+        positions,
+        rotations,
+        standing_rotations,
+        normals,
+        tares,
+        radii,
+        missing,
+        farthest,
+        numbers,
+        places,
+        turned,
+        slips,
+        told,
+        measured,
+        motion,
+        allowed,
+    )
+    return slipping if heavy == NOTHING else heavy
 
 
 @compiled
