@@ -165,9 +165,7 @@ class StateBuffer:
         if not continues:
             if stamp_ns == self._stamps[-1]:
                 return True
-            self._stamps.clear()
-            self._positions.clear()
-            self._stances.clear()
+            self.clear()
         self._stamps.append(stamp_ns)
         self._positions.append(position)
         self._stances.append(stance)
@@ -176,6 +174,12 @@ class StateBuffer:
             self._positions.popleft()
             self._stances.popleft()
         return continues
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._stamps.clear()
+        self._positions.clear()
+        self._stances.clear()
 
     @property
     def newest_ns(self) -> int:

@@ -37,6 +37,8 @@ log = logging.getLogger("w2c.perception")
 
 FRAME_QUEUE = 8
 """Pictures that may wait: each must be known before an operator can point into it"""
+STATUS_AGE_NS = 500_000_000
+"""An older status may be of a controller that is no more [ns of robot time]"""
 _DESCRIBE_TIMEOUT_S = 2.0
 _WAIT_FOR_STATE_S = 1.0
 
@@ -56,10 +58,13 @@ class PerceptionNode:
         """Used by the loop alone"""
         self._boot_id = ""
         """Of the robot whose pictures are remembered"""
+        self._controller_boot_id = ""
+        """Of the controller whose world is known to be this one"""
 
     def configure(self) -> None:
         """Subscribe, and answer who asks."""
         self._newest_state = self._bus.latest(topics.ROBOT_STATE)
+        self._status = self._bus.latest(topics.CONTROLLER_STATUS)
         self._frames = self._bus.queue(topics.CAMERA_FRAME, size=FRAME_QUEUE)
         self._bus.serve(topics.LIFT, self._lift, workers=2)
         self._bus.serve(topics.HEIGHT_FIELD, self._heights)
@@ -85,7 +90,9 @@ class PerceptionNode:
                 continue
             # A picture is placed once there are joint angles on both sides of its stamp.
             expired = self._clock.now_ns() - waiting_since_ns > _WAIT_FOR_STATE_S * 1e9
-            if expired or waiting.message.stamp_ns <= track.newest_ns:
+            if expired or (
+                waiting.message.stamp_ns <= track.newest_ns and not self._expects_controller(track)
+            ):
                 self._remember(waiting, track)
                 waiting = None
             stop.wait(period_s)
@@ -138,18 +145,44 @@ class PerceptionNode:
             self._bus.count("state without joint angles")
             log.debug("%s", error)
             return True
+        self._follow_controller(track, state.stamp_ns)
         if track.world != world:
             self._change_world(world, track)
         return True
+
+    def _follow_controller(self, track: RobotTrack, now_ns: int) -> None:
+        """Take the world of a controller that is met for the first time, of this boot."""
+        received = self._status.last()
+        if received is None or received.envelope.boot_id == self._controller_boot_id:
+            return
+        status = received.message
+        if not 0 <= now_ns - status.stamp_ns <= STATUS_AGE_NS:
+            return  # of before the robot started anew, or of a controller that is dead
+        try:
+            if track.follow(status):
+                self._controller_boot_id = received.envelope.boot_id
+        except GeometryError as error:
+            self._bus.count("status of the controller refused")
+            log.debug("%s", error)
+
+    def _expects_controller(self, track: RobotTrack) -> bool:
+        """Tell whether a controller is there that has just not said yet where the feet are."""
+        if self._controller_boot_id or track.age_ns > STATUS_AGE_NS:
+            return False
+        return any(service == "controller" for service, _ in self._bus.alive())
 
     def _change_world(self, former: int, track: RobotTrack) -> None:
         """Say that the robot stands, or that nobody knows where it is any more."""
         if track.world == 0:
             log.warning("no foot on the ground: pictures have no place in the world")
-        elif former == 0:
-            # What was seen before the robot was lifted is somewhere else now.
-            log.info("the robot stands", extra={"world": track.world})
+        else:
+            # What was seen before the robot was lifted, or in a world of this process' own, is
+            # somewhere else now.
+            log.info("the robot stands in another world", extra={"world": track.world})
             self._forget(track.boot_id)
+        if former == 0:
+            # Nobody moves the controller's world but the controller: it is to be heard again.
+            self._controller_boot_id = ""
 
     def _remember(self, received: Received[CameraFrame], track: RobotTrack) -> None:
         """Place a picture in the world, keep it, and tell where it was taken from."""

@@ -3,7 +3,8 @@
 import numpy as np
 
 from w2c.errors import GeometryError
-from w2c.messages import CameraFrame, RobotDescription, RobotState
+from w2c.geometry import rotation_from_quaternion, transform
+from w2c.messages import CameraFrame, ControllerStatus, RobotDescription, RobotState
 from w2c.stance import StanceEstimator
 from w2c_perception.buffer import StateBuffer, View
 from w2c_perception.kinematics import CameraKinematics
@@ -31,6 +32,12 @@ class RobotTrack:
         self._camera_frame = description.camera_frame
         self._stances = StanceEstimator()
         self._states = StateBuffer(history_s)
+        self._first_ns = self._last_ns = -1
+
+    @property
+    def age_ns(self) -> int:
+        """Return for how long states have come [ns of robot time]."""
+        return self._last_ns - self._first_ns
 
     @property
     def newest_ns(self) -> int:
@@ -62,7 +69,33 @@ class RobotTrack:
             state.sole_wrenches[:, VERTICAL_FORCE],
             lambda: self._kinematics.soles(state.position),
         )
+        if self._first_ns < 0 or state.stamp_ns < self._last_ns:
+            self._first_ns = state.stamp_ns
+        self._last_ns = state.stamp_ns
         self._states.add(state.stamp_ns, state.position, stance)
+
+    def follow(self, status: ControllerStatus) -> bool:
+        """Take the controller's world, where it is another one: it began before a step of the feet.
+
+        States of before are forgotten then. Returns False where the controller, or this process,
+        does not know yet where the feet are.
+
+        Raises:
+            GeometryError: poses that are none.
+        """
+        stance, soles = self._stances.stance, status.soles
+        if soles is None or stance is None:
+            return False
+        if any(
+            ours and not theirs
+            for ours, theirs in zip(stance.standing, status.in_contact[:2], strict=True)
+        ):
+            return False  # a foot that comes down or is lifted: the next status knows better
+        left, right = (transform(rotation_from_quaternion(row[3:]), row[:3]) for row in soles)
+        self._stances.move((left, right))
+        if self.world != stance.world:
+            self._states.clear()
+        return True
 
     def place(self, frame: CameraFrame) -> View:
         """Return a frame with where it was taken from.

@@ -76,6 +76,16 @@ class StanceEstimator:
         """Return the present stance; None while no foot stands."""
         return self._stance
 
+    def move(self, anchors: Soles) -> None:
+        """Go on in the world of somebody else, in which the feet that stand are elsewhere.
+
+        Args:
+            anchors: world_from_sole (4, 4) left, right, in that world.
+        """
+        if self._stance is not None and not _agree(self._stance, anchors):
+            self._worlds += 1
+            self._stance = Stance(self._stance.standing, anchors, self._worlds)
+
     def update(
         self,
         stamp_ns: int,
@@ -155,6 +165,16 @@ def _first(standing: Feet, base_from_soles: Soles, world: int) -> Stance:
 
 def _anchor(former: Matrix, now: Matrix) -> Matrix:
     """Return the anchor of a foot that came down: the former one, where it is still there."""
-    moved = float(np.linalg.norm(now[:3, 3] - former[:3, 3]))
-    turned = float(np.arccos(np.clip((np.trace(now[:3, :3].T @ former[:3, :3]) - 1) / 2, -1, 1)))
-    return former if moved < SAME_PLACE and turned < SAME_TURN else now
+    return former if _same_place(former, now) else now
+
+
+def _agree(stance: Stance, anchors: Soles) -> bool:
+    """Tell whether the feet that stand are where somebody else has them."""
+    return all(_same_place(stance.anchors[k], anchors[k]) for k in (0, 1) if stance.standing[k])
+
+
+def _same_place(one: Matrix, other: Matrix) -> bool:
+    """Tell whether two poses of a sole (4, 4) are one."""
+    moved = float(np.linalg.norm(other[:3, 3] - one[:3, 3]))
+    turned = float(np.arccos(np.clip((np.trace(other[:3, :3].T @ one[:3, :3]) - 1) / 2, -1, 1)))
+    return moved < SAME_PLACE and turned < SAME_TURN

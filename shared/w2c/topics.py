@@ -121,7 +121,7 @@ CAMERA_VIEW = Topic(
 )
 CONTROLLER_STATUS = Topic(
     "state", "controller", "status", m.ControllerStatus, Priority.DATA, 20.0,
-    ("dialogue", "console", "operator", "evaluation"),
+    ("perception", "dialogue", "console", "operator", "evaluation"),
 )  # fmt: skip
 GOAL_EVENT = Topic(
     "event", "controller", "goal", m.GoalEvent, Priority.INTERACTIVE, 0.0,

@@ -193,6 +193,7 @@ def all_examples() -> dict[str, m.Message]:
             lateness_us={"p50": 1.0},
             tick_us={"p50": 2.0},
             message="",
+            soles=np.tile([0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0], (2, 1)),
         ),
         m.SafetyEvent(
             stamp_ns=1,

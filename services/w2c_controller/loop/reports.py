@@ -8,9 +8,11 @@ from functools import partial
 from queue import SimpleQueue
 
 import numpy as np
+import numpy.typing as npt
 
 from w2c import topics
 from w2c.bus import Bus, Input
+from w2c.geometry import quaternion_from_rotation
 from w2c.messages import ControllerStatistics, ControllerStatus, GoalEvent, SafetyEvent
 from w2c.realtime import RealTime
 from w2c_controller.loop.feed import StateFeed
@@ -155,6 +157,7 @@ class Reports:
             lateness_us=timing.lateness_us(),
             tick_us=timing.tick_us(),
             message=trouble or snapshot.message,
+            soles=_soles(snapshot),
         )
         self._bus.publish(topics.CONTROLLER_STATUS, status)
 
@@ -191,3 +194,12 @@ class Reports:
             real_time=real_time.trouble,
         )
         self._bus.publish(topics.CONTROLLER_STATISTICS, message)
+
+
+def _soles(snapshot: Snapshot) -> npt.NDArray[np.float64] | None:
+    """Return where the feet are (2, 7): position, quaternion xyzw; None where it is not known."""
+    rotations = snapshot.sole_rotations
+    if rotations is None:
+        return None
+    quaternions = [quaternion_from_rotation(rotation) for rotation in rotations]
+    return np.hstack([snapshot.positions[:2], np.stack(quaternions)])

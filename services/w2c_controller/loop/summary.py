@@ -34,6 +34,8 @@ class Snapshot:
     """(4,) [N]"""
     solver_failures: int
     message: str
+    sole_rotations: Matrix | None
+    """(2, 3, 3) of the feet; None while the posture is not known"""
 
 
 def summarize(
@@ -66,4 +68,5 @@ def summarize(
         loads=loads,
         solver_failures=retargeting.failures,
         message=message,
+        sole_rotations=rotations[:2].copy() if switching is not None else None,
     )

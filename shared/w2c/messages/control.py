@@ -134,12 +134,17 @@ class ControllerStatus(Message, frozen=True, kw_only=True):
     """p50, p99 of the time a tick takes [us]"""
     message: Text = ""
     """For the operator: why it holds, what it waits for"""
+    soles: Array | None = None
+    """(2, 7) left, right: position [m] and quaternion xyzw in the world, desired: where a process
+    that starts later finds the world that this controller began with. None before it knows"""
 
     def __post_init__(self) -> None:
         """Refuse arrays of the wrong shape."""
         check_array("desired_forces", self.desired_forces, (4, 3))
         check_array("end_effector_positions", self.end_effector_positions, (4, 3))
         check_array("loads", self.loads, (4,))
+        if self.soles is not None:
+            check_array("soles", self.soles, (2, 7))
 
 
 class StopRequest(Message, frozen=True, kw_only=True):

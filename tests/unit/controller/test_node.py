@@ -104,7 +104,11 @@ def test_every_tick_is_answered_once_and_says_what_it_answers(cell: Cell) -> Non
 
 
 def test_goals_previews_and_stop_over_the_bus(cell: Cell) -> None:
-    cell.wait_status("hold")
+    standing = cell.wait_status("hold")
+    assert standing.soles is not None
+    assert standing.soles[:, :3] == pytest.approx(standing.end_effector_positions[:2])
+    assert standing.soles[:, :3].sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-6)
+    assert np.abs(standing.soles[:, 6]) == pytest.approx(np.ones(2), abs=1e-3)
     reply = cell.operator.call(topics.PLACE, _reach((0.6, 0.3, 1.0))).message
     assert reply.goal_id == "g"
     event = cell.events.receive(10.0)

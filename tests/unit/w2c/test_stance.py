@@ -167,6 +167,35 @@ def test_first_seen_on_one_foot_the_other_is_taken_as_lifted_straight_up() -> No
     )
 
 
+def test_one_that_joins_later_goes_on_in_the_world_of_one_that_saw_the_steps() -> None:
+    walker = Walker()
+    walker.stand(BOTH)
+    walker.stand(RIGHT_ONLY)
+    walker.feet[0] = transform(turned(0.2), [0.2, 0.12, 0.0])
+    walker.base = transform(turned(0.1), [0.1, 0.0, 0.98])
+    known = walker.stand(BOTH)
+    walker.estimator = StanceEstimator()
+    own = walker.stand(BOTH)
+    assert known is not None and own is not None
+    assert walker.error(own) > 0.05, "midway between the soles is elsewhere after a step"
+
+    walker.estimator.move(known.anchors)
+    moved = walker.estimator.stance
+
+    assert walker.error(moved) < 1e-12
+    assert moved is not None and moved.world == own.world + 1
+    walker.estimator.move(known.anchors)
+    assert walker.estimator.stance is moved, "who agrees already stays"
+    walker.base = transform(turned(-0.1), [0.12, 0.03, 0.97])
+    assert walker.error(walker.stand(LEFT_ONLY)) < 1e-12
+
+
+def test_where_no_foot_stands_nobody_can_join() -> None:
+    estimator = StanceEstimator()
+    estimator.move((np.eye(4), np.eye(4)))
+    assert estimator.stance is None
+
+
 def test_before_any_foot_stands_nothing_is_known() -> None:
     assert Walker().stand(NONE) is None
 
