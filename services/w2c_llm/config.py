@@ -30,7 +30,7 @@ class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     queue: Annotated[int, msgspec.Meta(ge=1, le=64)] = 8
     """Requests that may wait; more are refused."""
     deadline: Annotated[float, msgspec.Meta(gt=0, le=600)] = 55.0
-    """Longest time of a request, waiting included [s]."""
+    """Longest time of a request, waiting included [s]; a request may ask for less."""
     openai_url: str = "https://api.openai.com/v1"
     """Base address of the server."""
     openai_key_file: str = ""

@@ -137,7 +137,7 @@ def _string(schema: Schema) -> str:
 
 
 def _number(schema: Schema) -> str:
-    least = schema.get("minimum", schema.get("exclusiveMinimum", -1))
+    least: float = schema["minimum"] if "minimum" in schema else schema.get("exclusiveMinimum", -1)
     sign = "" if least >= 0 else '"-"? '
     fraction = "" if schema["type"] == "integer" else ' ("." [0-9]{1,6})?'
     return f"{sign}{_WHOLE}{fraction}"

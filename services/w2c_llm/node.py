@@ -3,20 +3,33 @@
 import logging
 import os
 import threading
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 from w2c import topics
 from w2c.bus import Bus
 from w2c.bus.interface import CallContext
 from w2c.clock import Clock
-from w2c.errors import ConfigError
+from w2c.errors import ConfigError, W2CError
 from w2c.messages import ChooseReply, ChooseRequest, CompleteReply, CompleteRequest
 from w2c_llm import answering
-from w2c_llm.backend import Backend
+from w2c_llm.backend import Backend, Budget, Usage
 from w2c_llm.config import EMBEDDED_MODEL, LlmConfig
-from w2c_llm.engine import Engine
+from w2c_llm.engine import Done, Engine
+from w2c_llm.metrics import Metrics
 
 _LOG = logging.getLogger("w2c.llm")
+Answer = TypeVar("Answer", answering.Completion, answering.Choice)
+
+
+_CAUSES = {
+    "unavailable": "request rejected: queue full or stopping",
+    "deadline": "request given up: deadline",
+    "refused": "request refused",
+    "model": "request failed in the model",
+}
+"""What the health report counts, by the code of the error"""
 
 
 class LlmNode:
@@ -27,12 +40,18 @@ class LlmNode:
         self._bus = bus
         self._clock = clock
         self._engine = Engine(self._load, capacity=config.queue, clock=clock)
+        self._metrics = Metrics()
         self._name = ""
 
     @property
     def queue_length(self) -> int:
         """Requests that wait, for the health report."""
         return self._engine.queue_length
+
+    @property
+    def detail(self) -> str:
+        """Time of the latest requests in queue, prompt and answer, for the health report."""
+        return self._metrics.summary()
 
     def configure(self) -> None:
         """Load and warm up the model, then serve."""
@@ -53,9 +72,8 @@ class LlmNode:
 
     def complete(self, request: CompleteRequest, _: CallContext) -> CompleteReply:
         """Answer one `complete`."""
-        done = self._engine.submit(
-            lambda backend, budget: answering.complete(backend, request, budget),
-            self._config.deadline,
+        done = self._answer(
+            lambda backend, budget: answering.complete(backend, request, budget), request.deadline
         )
         answer, usage = done.value, done.value.usage
         return CompleteReply(
@@ -72,9 +90,8 @@ class LlmNode:
 
     def choose(self, request: ChooseRequest, _: CallContext) -> ChooseReply:
         """Answer one `choose`."""
-        done = self._engine.submit(
-            lambda backend, budget: answering.choose(backend, request, budget),
-            self._config.deadline,
+        done = self._answer(
+            lambda backend, budget: answering.choose(backend, request, budget), request.deadline
         )
         choice, usage = done.value, done.value.usage
         return ChooseReply(
@@ -86,6 +103,20 @@ class LlmNode:
             queue_ms=done.queue_ms,
             prefill_ms=usage.prefill_ms,
         )
+
+    def _answer(
+        self, work: Callable[[Backend, Budget], Answer], deadline: float | None
+    ) -> Done[Answer]:
+        """Run a request on the model; count what it cost, or why it failed."""
+        seconds = min(deadline or self._config.deadline, self._config.deadline)
+        try:
+            done = self._engine.submit(work, seconds)
+        except W2CError as error:
+            self._bus.count(_CAUSES.get(error.code, error.code))
+            raise
+        usage: Usage = done.value.usage
+        self._metrics.add(done.queue_ms, usage)
+        return done
 
     def _load(self) -> Backend:
         """Load the configured model; on the engine's thread."""

@@ -19,6 +19,9 @@ class ChatMessage(Message, frozen=True, kw_only=True):
     content: Text
 
 
+Patience = Annotated[float, msgspec.Meta(gt=0, le=600)]
+
+
 class CompleteRequest(Message, frozen=True, kw_only=True):
     """Complete a chat with JSON that fits a schema."""
 
@@ -31,6 +34,9 @@ class CompleteRequest(Message, frozen=True, kw_only=True):
     constant_messages: int = 0
     """How many leading messages are the same in every request of this kind (prompt and examples):
     a hint for reuse, never needed for the answer."""
+    deadline: Patience | None = None
+    """How long the caller waits [s]; then the work is given up. None = as long as the service
+    allows."""
 
 
 class CompleteReply(Message, frozen=True, kw_only=True):
@@ -56,6 +62,8 @@ class ChooseRequest(Message, frozen=True, kw_only=True):
     log_prior: dict[str, float] = {}
     """Added to the log-likelihood of an option: the paper's logit bias."""
     constant_messages: int = 0
+    deadline: Patience | None = None
+    """As of `complete` [s]."""
 
 
 class ChooseReply(Message, frozen=True, kw_only=True):
