@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from w2c.depth import decode_depth
 from w2c.errors import RefusedError
-from w2c.geometry import Intrinsics
+from w2c.geometry import Intrinsics, inverse
 from w2c.messages import Array, CameraFrame
 from w2c.stance import Stance
 from w2c_perception.pose import CameraPose
@@ -28,18 +28,33 @@ class View:
     """One picture with its depth, and where the camera and the arms were."""
 
     def __init__(
-        self, frame: CameraFrame, pose: CameraPose, velocity: Array, angle_error: float = 0.0
+        self,
+        frame: CameraFrame,
+        pose: CameraPose,
+        velocity: Array,
+        angle_error: float = 0.0,
+        depth_pose: CameraPose | None = None,
+        depth_angle_error: float = 0.0,
     ) -> None:
         """Take a picture.
 
         Args:
             frame: as it came.
-            pose: of the camera then.
+            pose: of the camera when it took the colours.
             velocity: (n,) of the joints then [rad/s].
             angle_error: how far any joint angle may be off, for not being measured then [rad].
+            depth_pose: of the camera when it took depth; None: with the colours.
+            depth_angle_error: as `angle_error`, for that instant [rad].
         """
         self.frame = frame
         self.stamp_ns = frame.stamp_ns
+        self.depth_pose = depth_pose or pose
+        """Places what depth shows in the world"""
+        self.depth_from_colours = (
+            inverse(depth_pose.world_from_camera) @ pose.world_from_camera if depth_pose else None
+        )
+        """(4, 4) from the camera when it took the colours to when it took depth; None: at once"""
+        self._depth_angle_error = depth_angle_error if depth_pose else angle_error
         self.width, self.height = frame.width, frame.height
         self.intrinsics = Intrinsics(*frame.intrinsics)
         self.pose = pose
@@ -58,21 +73,34 @@ class View:
         return decode_depth(self.frame.depth, self.width, self.height, self.depth_unit)
 
     def blur(self, depth: npt.NDArray[np.float32], u: float, v: float, lag_s: float) -> float:
-        """Return how far the picture moved at a pixel within a time [px]; 0 outside of it."""
-        inside = 0.0 <= u < self.width and 0.0 <= v < self.height
-        if not inside or lag_s <= 0.0:
+        """Return how far depth may be beside the colours at a pixel [px]; 0 outside of it.
+
+        Args:
+            depth: (h, w) [m].
+            u: in the depth picture, to the right [px].
+            v: down [px].
+            lag_s: how far apart in time both may be, beyond what their stamps say [s].
+        """
+        if not (0.0 <= u < self.width and 0.0 <= v < self.height):
             return 0.0
         z = float(depth[int(v), int(u)]) or TYPICAL_DEPTH
-        return lag_s * self.pose.pixel_speed(self.velocity, self.intrinsics, u, v, z)
+        moved = 0.0
+        if lag_s > 0.0:
+            moved = lag_s * self.pose.pixel_speed(self.velocity, self.intrinsics, u, v, z)
+        if self.depth_from_colours is not None:
+            turned = self.angle_error + self._depth_angle_error
+            moved += self.intrinsics.fx * turned * (1.0 + CAMERA_REACH / z)
+        return moved
 
     def pose_error(self, point: Array, joint_error: float) -> float:
-        """Return how far off a point (3,) may be, for where the camera was [m].
+        """Return how far off a point (3,) may be, for where the camera was when it took depth [m].
 
         Args:
             point: in the world [m].
             joint_error: constant error that each joint angle may have [rad].
         """
-        return self.pose.error(point, joint_error) + CAMERA_REACH * self.angle_error
+        of_joints = self.depth_pose.error(point, joint_error)
+        return of_joints + CAMERA_REACH * self._depth_angle_error
 
 
 class ViewBuffer:

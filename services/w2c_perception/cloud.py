@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import MessageError, RefusedError
-from w2c.geometry import Intrinsics, Matrix, apply
+from w2c.geometry import Intrinsics, Matrix, apply, inverse
+from w2c_perception.registration import pixels_of, within
 from w2c_perception.window import Depth
 
 Colours = npt.NDArray[np.uint8]
@@ -61,6 +62,7 @@ def point_cloud(
     *,
     voxel: float,
     most: int,
+    depth_from_colours: Matrix | None = None,
 ) -> Cloud:
     """Return what is seen in a box: the mean point and the mean colour of each voxel.
 
@@ -72,6 +74,8 @@ def point_cloud(
         box: what is wanted.
         voxel: side of a voxel [m].
         most: points that are allowed.
+        depth_from_colours: (4, 4) from the camera when it took the colours to when it took depth,
+            `world_from_camera`; None: at once. Points beside the colours are left out then.
 
     Raises:
         RefusedError: there would be more.
@@ -85,10 +89,17 @@ def point_cloud(
     rows, columns = np.nonzero(thinned > 0.0)
     z = thinned[rows, columns].astype(np.float64)
     along = intrinsics.rays(columns * stride + 0.5, rows * stride + 0.5)
-    points = apply(world_from_camera, z[:, None] * along)
+    in_camera = z[:, None] * along
+    points = apply(world_from_camera, in_camera)
     inside = ((points >= box.low) & (points < box.high)).all(axis=1)
+    rows, columns = rows * stride, columns * stride
+    if depth_from_colours is not None:
+        in_colours = apply(inverse(depth_from_colours), in_camera)
+        pixels = pixels_of(intrinsics, in_colours)
+        inside &= within(pixels, depth)
+        columns, rows = np.where(inside[:, None], pixels, 0.0).astype(np.intp).T
     points = points[inside]
-    seen = colours[rows[inside] * stride, columns[inside] * stride].astype(np.float64)
+    seen = colours[rows[inside], columns[inside]].astype(np.float64)
     cells = np.floor((points - np.asarray(box.low)) / voxel).astype(np.int64)
     cloud = _means(points, seen, cells)
     if len(cloud.points) > most:

@@ -77,7 +77,8 @@ def lift(
         RefusedError: outside of the picture, no depth there, too few points around it, or a camera
             that moved too fast.
     """
-    _check(depth, u, v, blur)
+    check_pixel(depth, u, v)
+    _check_blur(blur)
     sigma = noise(depth, u, v, depth_unit)
     seed = find_seed(depth, u, v, intrinsics.fx, sigma)
     piece = grow(depth, seed, intrinsics.fx, footprint, sigma)
@@ -102,13 +103,17 @@ def lift(
     )
 
 
-def _check(depth: Depth, u: float, v: float, blur: float) -> None:
-    """Raise RefusedError for a pixel outside of the picture, or a camera that moves too fast."""
+def check_pixel(depth: Depth, u: float, v: float) -> None:
+    """Raise RefusedError for a pixel outside of the picture."""
     height, width = depth.shape
     if not (np.isfinite(u) and np.isfinite(v) and 0.0 <= u < width and 0.0 <= v < height):
         raise RefusedError(
             f"pixel ({u:g}, {v:g}) is outside of the picture, {width}x{height} px; choose one in it"
         )
+
+
+def _check_blur(blur: float) -> None:
+    """Raise RefusedError for a camera that moved too far between colours and depth."""
     if not blur <= MAX_BLUR:
         raise RefusedError(
             f"the camera moved by {blur:.0f} px between colour and depth, limit {MAX_BLUR:.0f}; "

@@ -4,34 +4,14 @@ import logging
 import threading
 
 from w2c import topics
-from w2c.bus import Bus, CallContext, Received
+from w2c.bus import Bus, Received
 from w2c.clock import Clock
-from w2c.errors import CallError, GeometryError, MessageError, RefusedError
-from w2c.messages import (
-    AllowedArea,
-    AllowedAreaRequest,
-    CameraFrame,
-    CameraView,
-    Empty,
-    HeightField,
-    HeightFieldRequest,
-    LiftReply,
-    LiftRequest,
-    PointCloud,
-    PointCloudRequest,
-    RobotState,
-)
-from w2c.messages.cloud import MAX_POINTS
-from w2c_perception.allowed import REASONS, allowed_cells
-from w2c_perception.buffer import View, ViewBuffer
-from w2c_perception.carrying import verdicts
-from w2c_perception.cloud import Box, decode_colours, point_cloud
+from w2c.errors import CallError, GeometryError, RefusedError
+from w2c.messages import CameraFrame, CameraView, Empty, RobotState
+from w2c_perception.answers import Answers
 from w2c_perception.config import PerceptionConfig
-from w2c_perception.depths import DepthMemory
-from w2c_perception.heights import Area, height_field
-from w2c_perception.lift import lift
+from w2c_perception.memory import PictureMemory
 from w2c_perception.track import RobotTrack
-from w2c_perception.window import Depth
 
 log = logging.getLogger("w2c.perception")
 
@@ -50,14 +30,9 @@ class PerceptionNode:
         self._config = config
         self._bus = bus
         self._clock = clock
-        # Held for microseconds: by the loop that remembers, by the handlers that look.
-        self._lock = threading.Lock()
-        self._views = ViewBuffer(config.history, config.max_frames)
-        self._depths = DepthMemory(config.unpacked_frames)
+        self._memory = PictureMemory(config.history, config.max_frames, config.unpacked_frames)
         self._track: RobotTrack | None = None
         """Used by the loop alone"""
-        self._boot_id = ""
-        """Of the robot whose pictures are remembered"""
         self._controller_boot_id = ""
         """Of the controller whose world is known to be this one"""
 
@@ -66,10 +41,11 @@ class PerceptionNode:
         self._newest_state = self._bus.latest(topics.ROBOT_STATE)
         self._status = self._bus.latest(topics.CONTROLLER_STATUS)
         self._frames = self._bus.queue(topics.CAMERA_FRAME, size=FRAME_QUEUE)
-        self._bus.serve(topics.LIFT, self._lift, workers=2)
-        self._bus.serve(topics.HEIGHT_FIELD, self._heights)
-        self._bus.serve(topics.POINT_CLOUD, self._cloud)
-        self._bus.serve(topics.FIND_ALLOWED_AREA, self._allowed)
+        answers = Answers(self._config, self._memory)
+        self._bus.serve(topics.LIFT, answers.lift, workers=2)
+        self._bus.serve(topics.HEIGHT_FIELD, answers.heights)
+        self._bus.serve(topics.POINT_CLOUD, answers.cloud)
+        self._bus.serve(topics.FIND_ALLOWED_AREA, answers.allowed)
 
     def run(self, stop: threading.Event) -> None:
         """Remember until `stop`."""
@@ -90,25 +66,22 @@ class PerceptionNode:
                 continue
             # A picture is placed once there are joint angles on both sides of its stamp.
             expired = self._clock.now_ns() - waiting_since_ns > _WAIT_FOR_STATE_S * 1e9
-            if expired or (
-                waiting.message.stamp_ns <= track.newest_ns and not self._expects_controller(track)
-            ):
+            known = _newest_stamp(waiting.message) <= track.newest_ns
+            if expired or (known and not self._expects_controller(track)):
                 self._remember(waiting, track)
                 waiting = None
             stop.wait(period_s)
 
     def close(self) -> None:
         """Forget everything."""
-        with self._lock:
-            self._views.clear()
-        self._depths.clear()
+        self._memory.forget("")
 
     def _describe(self, stop: threading.Event) -> None:
         """Ask the robot what it is, until it answers."""
         try:
             reply = self._bus.call(topics.DESCRIBE, Empty(), timeout_s=_DESCRIBE_TIMEOUT_S)
             self._track = RobotTrack(reply.message, reply.envelope.boot_id, self._config.history)
-            self._forget(reply.envelope.boot_id)
+            self._memory.forget(reply.envelope.boot_id)
             log.info("robot described", extra={"joints": len(reply.message.joints)})
         except CallError as error:
             log.debug("the robot does not answer yet: %s", error)
@@ -120,13 +93,6 @@ class PerceptionNode:
             self._bus.count("description refused")
             stop.wait(2.0)
 
-    def _forget(self, boot_id: str) -> None:
-        """Begin with the pictures of a robot that started, or that stands elsewhere now."""
-        with self._lock:
-            self._views.clear()
-            self._boot_id = boot_id
-        self._depths.clear()
-
     def _take_state(self, track: RobotTrack, timeout_s: float) -> bool:
         """Remember the newest state. Returns False where the robot started anew."""
         received = self._newest_state.wait(timeout_s)
@@ -135,7 +101,7 @@ class PerceptionNode:
         if received.envelope.boot_id != track.boot_id:
             log.info("the robot started anew")
             self._track = None
-            self._forget("")
+            self._memory.forget("")
             return False
         state: RobotState = received.message
         world = track.world
@@ -179,7 +145,7 @@ class PerceptionNode:
             # What was seen before the robot was lifted, or in a world of this process' own, is
             # somewhere else now.
             log.info("the robot stands in another world", extra={"world": track.world})
-            self._forget(track.boot_id)
+            self._memory.forget(track.boot_id)
         if former == 0:
             # Nobody moves the controller's world but the controller: it is to be heard again.
             self._controller_boot_id = ""
@@ -207,8 +173,7 @@ class PerceptionNode:
             self._bus.count("picture refused")
             log.warning("picture refused: %s", error, extra={"stamp_ns": frame.stamp_ns})
             return
-        with self._lock:
-            self._views.add(view)
+        self._memory.add(view)
         message = CameraView(
             stamp_ns=frame.stamp_ns,
             world_from_camera=view.pose.world_from_camera,
@@ -219,98 +184,7 @@ class PerceptionNode:
         )
         self._bus.publish(topics.CAMERA_VIEW, message, [received.as_input()])
 
-    def _lift(self, request: LiftRequest, _context: CallContext) -> LiftReply:
-        """Answer what is behind a pixel."""
-        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
-        surface = lift(
-            depth,
-            view.intrinsics,
-            view.pose.world_from_camera,
-            request.u,
-            request.v,
-            footprint=request.footprint,
-            depth_unit=view.depth_unit,
-            blur=view.blur(depth, request.u, request.v, self._config.depth_lag),
-        )
-        pose_error = view.pose_error(surface.point, self._config.joint_error)
-        error_bound = surface.error_bound + pose_error
-        return LiftReply(
-            point=surface.point,
-            normal=surface.normal,
-            error_bound=error_bound,
-            flatness=surface.flatness,
-            slope=surface.slope,
-            extent=surface.extent,
-            edge_distance=surface.edge_distance,
-            frame_stamp_ns=view.stamp_ns,
-            warning=surface.warning,
-            verdicts=verdicts(surface, error_bound, request.footprint),
-        )
 
-    def _heights(self, request: HeightFieldRequest, _context: CallContext) -> HeightField:
-        """Answer how high things stand in a picture."""
-        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
-        area = Area()
-        heights = height_field(
-            depth, view.intrinsics, view.pose.world_from_camera, view.pose.arms, area
-        )
-        return HeightField(
-            stamp_ns=view.stamp_ns,
-            origin=(area.x[0], area.y[0]),
-            cell=area.cell,
-            heights=heights,
-        )
-
-    def _allowed(self, request: AllowedAreaRequest, _context: CallContext) -> AllowedArea:
-        """Answer where in a picture a surface can carry a hand."""
-        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
-        cells = allowed_cells(depth, view.intrinsics, view.pose.world_from_camera, view.pose.arms)
-        return AllowedArea(
-            stamp_ns=view.stamp_ns,
-            width=view.width,
-            height=view.height,
-            cells=cells,
-            reasons=list(REASONS),
-        )
-
-    def _cloud(self, request: PointCloudRequest, _context: CallContext) -> PointCloud:
-        """Answer what stands in a box."""
-        view, depth = self._look(request.frame_stamp_ns, request.robot_boot_id)
-        try:
-            colours = decode_colours(view.frame.jpeg, view.width, view.height)
-        except MessageError as error:
-            raise RefusedError(
-                f"the picture of {view.stamp_ns} ns has no usable colours: {error}"
-            ) from error
-        cloud = point_cloud(
-            depth,
-            colours,
-            view.intrinsics,
-            view.pose.world_from_camera,
-            Box(request.low, request.high),
-            voxel=request.voxel,
-            most=MAX_POINTS,
-        )
-        return PointCloud(
-            stamp_ns=view.stamp_ns,
-            voxel=request.voxel,
-            points=cloud.points,
-            colours=cloud.colours,
-        )
-
-    def _look(self, stamp_ns: int, robot_boot_id: str = "") -> tuple[View, Depth]:
-        """Return a remembered view with its depth (h, w) [m]. Raises RefusedError."""
-        with self._lock:
-            if robot_boot_id and robot_boot_id != self._boot_id:
-                raise RefusedError(
-                    f"the picture is one of robot process '{robot_boot_id}', those in memory are "
-                    f"of '{self._boot_id or 'none yet'}': the robot started anew. Choose the pixel "
-                    "in a newer picture"
-                )
-            view = self._views.get(stamp_ns)
-        try:
-            return view, self._depths.of(view)
-        except MessageError as error:
-            raise RefusedError(
-                f"the picture of {view.stamp_ns} ns has no usable depth: {error}"
-            ) from error
+def _newest_stamp(frame: CameraFrame) -> int:
+    """Return when the later of colours and depth was taken [ns]."""
+    return max(frame.stamp_ns, frame.depth_stamp_ns)

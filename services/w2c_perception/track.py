@@ -9,6 +9,8 @@ from w2c.stance import StanceEstimator
 from w2c_perception.buffer import StateBuffer, View
 from w2c_perception.kinematics import CameraKinematics
 
+MAX_APART_NS = 300_000_000
+"""Colours and depth farther apart may show different things"""
 VERTICAL_FORCE = 2
 """Of a sole's wrench: the force along its normal"""
 
@@ -118,4 +120,20 @@ class RobotTrack:
             raise GeometryError(f"depth unit {frame.depth_unit:g} m, expected above 0 to 0.1 m")
         state = self._states.at(frame.stamp_ns)
         pose = self._kinematics.camera_pose(state.position, state.stance)
-        return View(frame, pose, state.velocity, state.uncertainty)
+        if frame.depth_stamp_ns in (-1, frame.stamp_ns):
+            return View(frame, pose, state.velocity, state.uncertainty)
+        apart_ns = abs(frame.depth_stamp_ns - frame.stamp_ns)
+        if apart_ns > MAX_APART_NS:
+            raise GeometryError(
+                f"depth was taken {apart_ns * 1e-9:.2f} s apart from the colours, limit "
+                f"{MAX_APART_NS * 1e-9:g} s: what is seen may have changed"
+            )
+        then = self._states.at(frame.depth_stamp_ns)
+        return View(
+            frame,
+            pose,
+            state.velocity,
+            state.uncertainty,
+            self._kinematics.camera_pose(then.position, then.stance),
+            then.uncertainty,
+        )

@@ -21,6 +21,8 @@ class CameraConfig(ServiceConfig, frozen=True, kw_only=True):
     """Of the pictures [px]; the vertical field of view is the same for all."""
     depth: bool = True
     """Send depth with every picture of the stream."""
+    depth_delay: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.0
+    """Perturbation: the stream's depth is of so long before its colours, and says so [s]."""
     shadows: bool = False
     """Draw shadows in the stream, too: three times the time."""
     antialiasing: bool = False

@@ -12,6 +12,8 @@ from pathlib import Path
 from queue import Empty as QueueEmpty
 from queue import SimpleQueue
 
+import msgspec
+
 from w2c import topics
 from w2c.bus import Bus, CallContext, Received
 from w2c.clock import Clock
@@ -79,7 +81,7 @@ class CameraNode:
     def _publish(self, received: Received[Truth]) -> None:
         """Draw the stream's next picture."""
         try:
-            self._pose(received.message)
+            frame, drawn = self._draw(received)
         except ConfigError as error:
             # Said once, counted always: a picture of another scene would be a lie.
             self._bus.count("truth of another model")
@@ -88,14 +90,43 @@ class CameraNode:
             self._mismatch = str(error)
             return
         self._mismatch = ""
+        self._bus.publish(topics.CAMERA_FRAME, frame, [one.as_input() for one in drawn])
+
+    def _draw(self, received: Received[Truth]) -> tuple[CameraFrame, list[Received[Truth]]]:
+        """Return the stream's next picture, and what it was drawn from. Raises ConfigError."""
+        drawn = [received]
+        early: bytes | None = None
+        self._pose(received.message)
+        if self._config.depth and self._config.depth_delay > 0.0:
+            early = self._ready().depth()
+            drawn.append(self._later(received))
+            self._pose(drawn[-1].message)
+        newest = drawn[-1]
         frame = self._ready().frame(
-            received.message.stamp_ns,
+            newest.message.stamp_ns,
             shadows=self._config.shadows,
             antialiasing=self._config.antialiasing,
-            depth=self._config.depth,
-            robot_boot_id=received.envelope.boot_id,
+            depth=self._config.depth and early is None,
+            robot_boot_id=newest.envelope.boot_id,
         )
-        self._bus.publish(topics.CAMERA_FRAME, frame, [received.as_input()])
+        if early is not None:
+            stamp_ns = received.message.stamp_ns
+            frame = msgspec.structs.replace(frame, depth=early, depth_stamp_ns=stamp_ns)
+        return frame, drawn
+
+    def _later(self, first: Received[Truth]) -> Received[Truth]:
+        """Return the truth of the depth delay after another; the newest where none comes."""
+        newest = first
+        wanted_ns = first.message.stamp_ns + round(self._config.depth_delay * 1e9)
+        deadline_ns = self._clock.now_ns() + round(2e9 * self._config.depth_delay)
+        while newest.message.stamp_ns < wanted_ns and self._clock.now_ns() < deadline_ns:
+            received = self._truth.wait(_POLL_S)
+            if received is None:
+                continue
+            if received.envelope.boot_id != first.envelope.boot_id:
+                break  # the robot started anew: its time means another
+            newest = received
+        return newest
 
     def _pose(self, truth: Truth) -> None:
         self._ready().pose(truth.generalized_position)

@@ -95,6 +95,10 @@ class Studio:
             robot_boot_id=robot_boot_id,
         )
 
+    def depth(self) -> bytes:
+        """Return the depth that the head camera sees, as it is sent."""
+        return encode_depth(self.shoot(colours=False).depth)
+
     def shoot(
         self,
         *,

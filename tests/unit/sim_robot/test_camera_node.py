@@ -14,6 +14,7 @@ from support.waiting import wait_until
 from w2c import topics
 from w2c.bus.inprocess import InProcessBus, InProcessHub
 from w2c.clock import RealClock
+from w2c.depth import decode_depth
 from w2c.errors import ConfigError, RefusedError, W2CError
 from w2c.messages import Array, CaptureRequest, PictureRequest, Truth
 from w2c_sim_robot.camera.config import CameraConfig
@@ -190,6 +191,36 @@ def test_a_camera_of_0x0_is_refused_before_anything_starts(
         status = int(str(stopped.code))
     assert status == 2
     assert complaint in capsys.readouterr().err
+
+
+def test_depth_may_be_of_before_its_colours_and_says_so(rig: Rig) -> None:
+    hub = InProcessHub()
+    robot, operator = hub.connect("robot"), hub.connect("operator")
+    config = CameraConfig(
+        robot="test", scene=rig.scene, rate=30.0, width=128, height=72, depth_delay=0.05
+    )
+    nodded = rig.position.copy()
+    nodded[build_model(scenario_a()).joint("head_1_joint").qposadr[0]] += 0.2
+    with running(config, hub.connect("camera")):
+        frames = operator.queue(topics.CAMERA_FRAME)
+        robot.publish(topics.TRUTH, truth(4_000_000, rig.position))
+        wait_until(lambda: not frames.receive(0.05) and not robot.counters)
+        for stamp_ns in (30_000_000, 54_000_000):
+            robot.publish(topics.TRUTH, truth(stamp_ns, nodded))
+            threading.Event().wait(0.02)
+        late = frames.receive(20.0)
+        robot.publish(topics.TRUTH, truth(60_000_000, nodded))
+        robot_moved_on = truth(120_000_000, nodded)
+        wait_until(lambda: bool(robot.publish(topics.TRUTH, robot_moved_on)))
+        still = frames.receive(20.0)
+
+    assert late is not None and still is not None
+    assert (late.message.depth_stamp_ns, late.message.stamp_ns) == (4_000_000, 54_000_000)
+    assert len(late.envelope.inputs) == 2
+    depths = [decode_depth(one.message.depth, 128, 72) for one in (late, still)]
+    colours = [decoded(one.message.jpeg).astype(float) for one in (late, still)]
+    assert np.abs(depths[0] - depths[1]).mean() > 0.02, "depth is of before the nod"
+    assert np.abs(colours[0] - colours[1]).mean() < 1.0, "the colours are of after it"
 
 
 def test_a_picture_of_0x0_is_refused_with_the_limit(rig: Rig) -> None:
