@@ -47,6 +47,7 @@ class RemoteServices:
             schema=question.schema or {},
             seed=self._seed,
             constant_messages=question.constant_messages,
+            deadline=self._timeout_s,
         )
         return self._bus.call(topics.COMPLETE, request, timeout_s=self._timeout_s).message.value
 
@@ -57,6 +58,7 @@ class RemoteServices:
             options=list(question.options),
             log_prior=dict(log_prior),
             constant_messages=question.constant_messages,
+            deadline=self._timeout_s,
         )
         reply = self._bus.call(topics.CHOOSE, request, timeout_s=self._timeout_s).message
         return Choice(reply.option, reply.probabilities)
