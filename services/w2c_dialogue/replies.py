@@ -31,7 +31,7 @@ def failure(error: W2CError, step: str) -> str:
         return f"I could not follow that ({error}). Nothing changed; please say it in other words."
     if isinstance(error, UnavailableError):
         return (
-            f"The {service} is not there ({error}). "
+            f"The {service} cannot be asked now ({error}). "
             "Nothing changed; look at `w2c status` and say it again."
         )
     if isinstance(error, DeadlineError):

@@ -239,10 +239,20 @@ class BusBase(ABC):
         raise error_codes().get(reply.code, RemoteError)(reply.message)
 
     def _unavailable(self, method: Method[Any, Any]) -> UnavailableError:
+        if any(service == method.service for service, _ in self.alive()):
+            return UnavailableError(
+                f"the {method.service} process is there and does not take "
+                f"{method.service}/{method.name} yet: it is still starting, or this process has no "
+                "right to ask. Ask again when it is ready: w2c status"
+            )
         return UnavailableError(
             f"nobody serves {method.service}/{method.name}; "
             f"is the {method.service} process running? Look with: w2c status"
         )
+
+    @abstractmethod
+    def alive(self) -> list[tuple[str, str]]:
+        """Return (service, instance) of every process that is seen."""
 
     @abstractmethod
     def close(self) -> None:

@@ -21,7 +21,7 @@ from w2c.bus.interface import CallContext, RawReceived
 from w2c.bus.latest_ring import LatestRing
 from w2c.bus.zenoh_config import client_config, hub_config
 from w2c.config import ServiceConfig
-from w2c.errors import ConnectionFailedError, DeadlineError, RemoteError, UnavailableError
+from w2c.errors import ConnectionFailedError, RemoteError, UnavailableError
 from w2c.messages import Message
 from w2c.topics import Method, Topic
 
@@ -39,6 +39,10 @@ PRIORITIES = {
 # again.
 NOT_DELIVERED_S = 0.05
 LIVELINESS_PATIENCE_S = 1.5
+"""How long a call waits for a process of the service to be seen at all [s]"""
+START_PATIENCE_S = 10.0
+"""... and for one that is seen to take calls: it may still be built, on a machine with much to do
+[s]"""
 
 
 def connect(config: ServiceConfig, service: str, endpoints: list[str]) -> "ZenohBus":
@@ -220,6 +224,10 @@ class ZenohBus(BusBase):
                 found, key=lambda i: (self._outstanding.get(f"{service}/{i}", 0), i), default=None
             )
 
+    def _is_alive(self, service: str, instance: str) -> bool:
+        """Tell whether a process is still seen."""
+        return (service, instance) in self.alive()
+
     def _ask(
         self, method: Method[Any, Any], payload: bytes, timeout_s: float
     ) -> tuple[str, RawReceived]:
@@ -234,9 +242,7 @@ class ZenohBus(BusBase):
             while True:
                 remaining = deadline - time.monotonic()
                 if remaining <= 0:
-                    raise DeadlineError(
-                        f"{method.service}/{method.name}: no answer within {timeout_s:.1f} s"
-                    )
+                    raise self._unavailable(method)  # no attempt reached it
                 started = time.monotonic()
                 raw = self._ask_once(method, instance, payload, remaining)
                 if raw is not None:
@@ -245,7 +251,10 @@ class ZenohBus(BusBase):
                     raise UnavailableError(
                         f"{method.service}/{method.name}: the process died while it served the call"
                     )
-                if time.monotonic() > deadline - timeout_s + min(timeout_s, LIVELINESS_PATIENCE_S):
+                waited = time.monotonic() - (deadline - timeout_s)
+                if waited > min(timeout_s, START_PATIENCE_S) or not self._is_alive(
+                    method.service, instance
+                ):
                     raise self._unavailable(method)
                 time.sleep(0.02)
         finally:

@@ -257,7 +257,7 @@ def test_missing_services_are_named(robot: Robot) -> None:
     robot.buses["llm"].close()
     turn = robot.say("lean on the book")
     assert not turn.ok
-    assert "language model is not there" in turn.reply
+    assert "language model cannot be asked now" in turn.reply
 
 
 def test_a_goal_the_controller_forgot_is_given_up(robot: Robot, node: DialogueNode) -> None:

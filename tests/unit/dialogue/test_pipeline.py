@@ -209,7 +209,7 @@ def test_a_dead_language_model_moves_nothing(task: str, error: Exception) -> Non
 def test_dead_grounding_and_perception_are_told_apart() -> None:
     world = World(**first_words())
     world.grounding.error = UnavailableError("nobody serves grounding")
-    assert "grounding service is not there" in world.say(FIRST).reply
+    assert "grounding service cannot be asked now" in world.say(FIRST).reply
     world.grounding.error = None
     world.lift.error = UnavailableError("nobody serves perception")
     turn = world.say(FIRST)
@@ -219,7 +219,7 @@ def test_dead_grounding_and_perception_are_told_apart() -> None:
     assert turn.target.point is None
     turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
     assert not turn.ok
-    assert "perception is not there" in turn.reply
+    assert "perception cannot be asked now" in turn.reply
     world.lift.error = None
     assert world.dialogue.confirm(ConfirmRequest(target_id=world.shown)).ok
 

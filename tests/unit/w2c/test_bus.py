@@ -11,7 +11,7 @@ import zenoh
 from support.ports import free_endpoint
 from support.waiting import wait_until
 from w2c import topics
-from w2c.bus import Bus, CallContext, InProcessHub
+from w2c.bus import Bus, CallContext, InProcessHub, zenoh_bus
 from w2c.bus.zenoh_bus import connect
 from w2c.config import ServiceConfig
 from w2c.errors import (
@@ -146,6 +146,48 @@ def test_a_call_that_nobody_serves_is_unavailable(connect_bus: Connect) -> None:
     operator = connect_bus("operator")
     with pytest.raises(UnavailableError, match="is the robot process running"):
         operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+
+
+def test_a_process_that_is_there_but_takes_no_calls_yet_is_called_that(
+    connect_bus: Connect,
+) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+    wait_until(lambda: ("robot", robot.instance) in operator.alive())
+    with pytest.raises(UnavailableError, match="is there and does not take robot/stop yet"):
+        operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+
+
+def test_a_call_waits_for_a_process_that_is_still_being_built(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Longer than for one that is not seen at all: a loaded machine takes its time to start one."""
+    monkeypatch.setattr(zenoh_bus, "LIVELINESS_PATIENCE_S", 0.2)
+    endpoint = free_endpoint()
+    config = ServiceConfig(robot="test", router=endpoint, connect_timeout=5.0)
+    with ExitStack() as stack:
+        stack.enter_context(open_router(RouterConfig(listen=endpoint)))
+        robot, operator = (
+            stack.enter_context(connect(config, name, [endpoint])) for name in ("robot", "operator")
+        )
+
+        def finish() -> None:
+            robot.serve(
+                topics.ROBOT_STOP, lambda request, _: StopReply(mode=request.reason, stamp_ns=0)
+            )
+
+        wait_until(lambda: ("robot", robot.instance) in operator.alive())
+        building = threading.Timer(0.5, finish)
+        building.start()
+        try:
+            reply = operator.call(topics.ROBOT_STOP, StopRequest(reason="built"), timeout_s=20.0)
+        finally:
+            building.join()
+        assert reply.message.mode == "built"
+
+        robot.close()
+        wait_until(lambda: ("robot", robot.instance) not in operator.alive())
+        with pytest.raises(UnavailableError, match="is the robot process running"):
+            operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=20.0)
 
 
 def test_a_slow_handler_meets_the_deadline_of_its_caller(connect_bus: Connect) -> None:
