@@ -9,10 +9,7 @@ from w2c_llm.config import LlmConfig
 
 
 def load_node() -> Callable[[LlmConfig, Bus, Clock], service.Node]:
-    """Import the node, and with it the model's libraries."""
-    import llama_cpp  # noqa: F401 - a missing extra shows here, with the command that installs it
-    import llguidance  # noqa: F401
-
+    """Import the node; the libraries of the model come with the backend that the flags name."""
     from w2c_llm.node import LlmNode
 
     return LlmNode

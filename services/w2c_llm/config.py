@@ -13,10 +13,12 @@ EMBEDDED_MODEL = Path(__file__).parent / "embedded" / "w2c-language.gguf"
 class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     """What the llm service needs: a model, and bounds."""
 
-    backend: Literal["llama_cpp", "openai"] = "llama_cpp"
-    """llama_cpp: a GGUF file on this machine. openai: any server with OpenAI's chat completions."""
+    backend: Literal["llama_cpp", "openai", "replay"] = "llama_cpp"
+    """llama_cpp: a GGUF file on this machine. openai: any server with OpenAI's chat completions.
+    replay: the answers of a recording."""
     model: str = ""
-    """Path of a GGUF file, or the model's name at the server; empty: the embedded model."""
+    """Path of a GGUF file, the model's name at the server, or path of a recording (MCAP); empty:
+    the embedded model."""
     context: Annotated[int, msgspec.Meta(ge=256, le=1_000_000)] = 4096
     """Tokens that fit in memory: the request and all reused prefixes together."""
     threads: Annotated[int, msgspec.Meta(ge=0, le=256)] = 0

@@ -12,6 +12,7 @@ from w2c.bus import Bus
 from w2c.bus.interface import CallContext
 from w2c.clock import Clock
 from w2c.errors import ConfigError, W2CError
+from w2c.extras import needs_extra
 from w2c.messages import ChooseReply, ChooseRequest, CompleteReply, CompleteRequest
 from w2c_llm import answering
 from w2c_llm.backend import Backend, Budget, Usage
@@ -133,8 +134,15 @@ def make_backend(config: LlmConfig) -> Backend:
         ConfigError: a file is missing, or the flags do not fit each other.
         ModelError: the model cannot be loaded.
     """
-    if config.backend == "openai":
-        return _make_openai(config)
+    with needs_extra("llm"):
+        if config.backend == "openai":
+            return _make_openai(config)
+        if config.backend == "replay":
+            return _make_replay(config)
+        return _make_llama_cpp(config)
+
+
+def _make_llama_cpp(config: LlmConfig) -> Backend:
     from w2c_llm.llama_cpp_backend import LlamaCppBackend
 
     path = Path(config.model) if config.model else EMBEDDED_MODEL
@@ -147,6 +155,14 @@ def make_backend(config: LlmConfig) -> Backend:
         gpu_layers=config.gpu_layers,
         constraint=config.constraint,
     )
+
+
+def _make_replay(config: LlmConfig) -> Backend:
+    from w2c_llm.replay_backend import ReplayBackend
+
+    if not config.model:
+        raise ConfigError("--backend replay needs --model, the recording: a session.mcap")
+    return ReplayBackend(Path(config.model))
 
 
 def _make_openai(config: LlmConfig) -> Backend:
