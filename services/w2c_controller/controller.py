@@ -21,7 +21,7 @@ from w2c_controller.goals.requests import Requests
 from w2c_controller.kinematics.model import build_model
 from w2c_controller.kinematics.vectors import largest_difference
 from w2c_controller.loop.summary import Snapshot, summarize
-from w2c_controller.motion.filters import Blend
+from w2c_controller.motion.blend import Blend
 from w2c_controller.parameters import Parameters
 from w2c_controller.safety.guards import SENSE_EVERY, Guards, joint_limits
 from w2c_controller.safety.hazards import Hazard, Holds, SafetyReport

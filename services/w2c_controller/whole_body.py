@@ -13,8 +13,8 @@ import numpy.typing as npt
 from w2c.messages import RobotDescription, RobotState
 from w2c_controller.kinematics.model import ControlledModel, Kinematics, standing_configuration
 from w2c_controller.kinematics.vectors import largest_difference, look_ahead
+from w2c_controller.motion.end_effectors import EndEffectors
 from w2c_controller.motion.gaze import Gaze, find_neck
-from w2c_controller.motion.hands import Hands
 from w2c_controller.parameters import HANDS, LEFT_HAND, RIGHT_HAND, Parameters
 from w2c_controller.safety.guards import SENSE_EVERY
 from w2c_controller.seiko.force_control import ForceControl
@@ -71,7 +71,7 @@ class WholeBody:
         )
         """The newest, without what the hands carry"""
         self._gaze: Gaze | None = None
-        self.hands: Hands
+        self.end_effectors: EndEffectors
         """Targets of what is free; exist after `begin`."""
         self.switching: Switching
         """The state machine of goals; exists after `begin`."""
@@ -105,9 +105,9 @@ class WholeBody:
         self.retargeting.reset(joints, supports)
         self.retargeting.state.posture = self.initial_joints.copy()
         self.force_control.reset(self.retargeting)
-        self.hands = Hands(self.retargeting, self.at_rest)
-        self.hands.displacements = self._admittance.displacements
-        self.switching = Switching(self.retargeting, self.hands, SENSE_EVERY * self._dt)
+        self.end_effectors = EndEffectors(self.retargeting, self.at_rest)
+        self.end_effectors.displacements = self._admittance.displacements
+        self.switching = Switching(self.retargeting, self.end_effectors, SENSE_EVERY * self._dt)
         if self._neck is not None:
             self._gaze = Gaze(self._neck, command[self._neck.bus_indices], self._dt)
 
@@ -138,7 +138,7 @@ class WholeBody:
     def switch(self) -> list[Event]:
         """Advance goals by one tick; returns what happened to them."""
         events = self.switching.step(self.measured)
-        self.hands.step()
+        self.end_effectors.step()
         return events
 
     def solve(self, scale: float) -> bool:
@@ -177,4 +177,7 @@ class WholeBody:
         return left or self._is_far(LEFT_HAND), right or self._is_far(RIGHT_HAND)
 
     def _is_far(self, hand: int) -> bool:
-        return largest_difference(self.hands.targets[hand], self.hands.rest[hand]) > AWAY
+        return (
+            largest_difference(self.end_effectors.targets[hand], self.end_effectors.rest[hand])
+            > AWAY
+        )

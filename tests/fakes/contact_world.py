@@ -7,7 +7,7 @@ import numpy as np
 from w2c.messages import Array, EndEffector, Task
 from w2c_controller.goals.goals import Goal
 from w2c_controller.kinematics.model import ControlledModel, Kinematics, standing_configuration
-from w2c_controller.motion.hands import Hands
+from w2c_controller.motion.end_effectors import EndEffectors
 from w2c_controller.parameters import EFFECTORS, FEET, Parameters
 from w2c_controller.seiko.retargeting import Retargeting
 from w2c_controller.sensing.loads import Measured
@@ -46,8 +46,8 @@ class ContactWorld:
         self.retargeting.reset(joints)
         at_rest = Kinematics(model)
         at_rest.update_frames(standing_configuration(model, joints))
-        self.hands = Hands(self.retargeting, at_rest)
-        self.switching = Switching(self.retargeting, self.hands, dt)
+        self.end_effectors = EndEffectors(self.retargeting, at_rest)
+        self.switching = Switching(self.retargeting, self.end_effectors, dt)
         self.events: list[Event] = []
         self.findings: list[Finding] = []
         self.phases: list[str] = []
@@ -99,7 +99,7 @@ class ContactWorld:
             for k, was in enumerate(enabled):
                 if self.retargeting.state.enabled[k] and not was:
                     self.touched_at.append(float(measured.force(k)[2]))
-            self.hands.step()
+            self.end_effectors.step()
             assert self.retargeting.tick()
             if not self.phases or self.phases[-1] != self.switching.phase:
                 self.phases.append(self.switching.phase)

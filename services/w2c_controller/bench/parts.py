@@ -24,7 +24,7 @@ class Parts:
         self._now = dict.fromkeys((*self.samples, "retargeting", "force_control"), 0)
         self._clock = _clock_time()
         retargeting, force = controller.retargeting, controller.force_control
-        self._watch(controller.body.hands, "step", FILTERS)
+        self._watch(controller.body.end_effectors, "step", FILTERS)
         for name, owner, programs in (
             ("retargeting", retargeting, retargeting._builders),
             ("force_control", force, force._programs),

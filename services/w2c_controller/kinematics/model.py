@@ -16,9 +16,12 @@ import pinocchio as pin
 from w2c.errors import ConfigError
 from w2c.geometry import base_from_midfeet, inverse, quaternion_from_rotation
 from w2c.messages import RobotDescription
+from w2c_controller.kinematics.carried import LOADS, Contacts
+from w2c_controller.kinematics.configuration import integrate
 from w2c_controller.kinematics.momentum import MASSES, couple_base
-from w2c_controller.kinematics.statics import LOADS, Contacts, place_under_load
-from w2c_controller.kinematics.tree import Tree, integrate, place
+from w2c_controller.kinematics.placement import place
+from w2c_controller.kinematics.statics import place_under_load
+from w2c_controller.kinematics.tree import Tree
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]

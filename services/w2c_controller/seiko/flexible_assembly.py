@@ -1,4 +1,4 @@
-"""Assembly of the Controller QP, compiled: what the Retargeting shares is in `assembly`."""
+"""Assembly of the Controller QP, compiled: what it shares with the Retargeting is in `rows`."""
 
 from typing import Final
 
@@ -6,9 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.compiled import compiled
-from w2c_controller.kinematics.tree import integrate
-from w2c_controller.seiko.assembly import add_square, fill_drifts, fill_equalities, fill_torque_rows
+from w2c_controller.kinematics.configuration import integrate
+from w2c_controller.seiko.corrections import fill_drifts
+from w2c_controller.seiko.costs import add_square
 from w2c_controller.seiko.rolling import roll
+from w2c_controller.seiko.rows import fill_equalities, fill_torque_rows
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]

@@ -22,14 +22,14 @@ import numpy.typing as npt
 
 from w2c_controller.kinematics.model import NO_LEVERS, ControlledModel, Kinematics
 from w2c_controller.parameters import FEET, HANDS, Clamps, Parameters
-from w2c_controller.seiko.assembly import (
+from w2c_controller.seiko.contacts import ContactLayout
+from w2c_controller.seiko.corrections import (
     BIAS_FORCE,
     BIAS_POSITION,
     BIAS_ROTATION,
     BIAS_TORQUE,
     CLAMPS,
 )
-from w2c_controller.seiko.contacts import ContactLayout
 from w2c_controller.seiko.flexible_assembly import advance_flexible, assemble_flexible
 from w2c_controller.seiko.flexible_model import FlexibleState
 from w2c_controller.seiko.force_parameters import FlexibleWeights
@@ -193,7 +193,7 @@ def _pose_weights(weights: FlexibleWeights, layout: ContactLayout) -> Matrix:
 
 
 def _clamps(clamps: Clamps) -> Vector:
-    """Return the largest corrections of one tick, in the order of `assembly`."""
+    """Return the largest corrections of one tick, in the order of `corrections`."""
     vector = np.full(CLAMPS, np.inf)
     vector[BIAS_FORCE] = clamps.bias_force
     vector[BIAS_TORQUE] = clamps.bias_torque

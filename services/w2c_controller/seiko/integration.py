@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.compiled import compiled
-from w2c_controller.kinematics.tree import integrate
+from w2c_controller.kinematics.configuration import integrate
 from w2c_controller.seiko.rolling import roll
 
 Vector = npt.NDArray[np.float64]

@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.parameters import FEET, HANDS, Parameters
-from w2c_controller.seiko.assembly import CLAMPS, assemble
+from w2c_controller.seiko.assembly import assemble
 from w2c_controller.seiko.contacts import (
     ContactLayout,
     normal_force_limits,
@@ -34,6 +34,7 @@ from w2c_controller.seiko.contacts import (
     point_cone,
     wrench_rate_limits,
 )
+from w2c_controller.seiko.corrections import CLAMPS
 from w2c_controller.seiko.desired import DesiredState
 from w2c_controller.solvers import Program
 
@@ -187,7 +188,7 @@ class ProgramBuilder:
         return np.vstack(blocks)
 
     def _make_clamps(self) -> Vector:
-        """Return the clamps, in the order of `assembly`."""
+        """Return the clamps, in the order of `corrections`."""
         choice = self._parameters.clamps
         clamps = np.array(
             [

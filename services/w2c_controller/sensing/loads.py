@@ -14,7 +14,7 @@ import numpy.typing as npt
 from w2c.messages import RobotState
 from w2c_controller.compiled import compiled
 from w2c_controller.kinematics.model import BOTH_FEET, ControlledModel, FeetOnGround
-from w2c_controller.kinematics.tree import place
+from w2c_controller.kinematics.placement import place
 from w2c_controller.motion.filters import low_pass_gain
 from w2c_controller.parameters import FEET, LEFT_HAND, RIGHT_HAND
 from w2c_controller.sensing.hand_forces import feel_hands

@@ -15,7 +15,7 @@ class InAir(Phases):
         stuck = travel.follow()
         if goal.task == "reach":
             if stuck and travel.path.leg == 0 and not self._may_cut():
-                self._hands.stop(self._effector)
+                self._end_effectors.stop(self._effector)
                 self._enter("reach")
                 return
             if stuck:
@@ -27,7 +27,7 @@ class InAir(Phases):
             return
         if travel.path.leg > 0:
             first = travel.path.legs[0]
-            self._hands.targets[self._effector] = first.position(first.duration)
+            self._end_effectors.targets[self._effector] = first.position(first.duration)
             self._enter("touch")
         elif stuck or self._elapsed > self._motion.approach_timeout:
             self._give_up(unreachable=True)
@@ -35,7 +35,7 @@ class InAir(Phases):
     def _may_cut(self) -> bool:
         k = self._effector
         return may_cut(
-            self._terrains[k], self._hands.position(k), self._travel.path.end, self._motion
+            self._terrains[k], self._end_effectors.position(k), self._travel.path.end, self._motion
         )
 
     def _reach(self, _: Measured) -> None:
@@ -43,7 +43,7 @@ class InAir(Phases):
         if self._bump and distance < motion.bump_distance:
             self._emit_new("reached", "touched something at the point", distance)
         elif distance < motion.reached_distance:
-            if self._hands.speed(self._effector) < motion.reached_speed:
+            if self._end_effectors.speed(self._effector) < motion.reached_speed:
                 self._emit_new("reached", distance=distance)
         elif self._travel.rests() and not self._log.told("unreachable"):
             if self._bump:
@@ -88,8 +88,8 @@ class InAir(Phases):
     def _bumped(self, force: float, limit: float) -> Finding | None:
         """Hold what touched something on its way: it reaches, it does not push."""
         k, goal, distance = self._effector, self.goal, self.distance()
-        self._hands.stop(k)
-        self._hands.targets[k] += self._motion.bump_retreat * self._away[k]
+        self._end_effectors.stop(k)
+        self._end_effectors.targets[k] += self._motion.bump_retreat * self._away[k]
         finding = Finding("contact_unexpected", k, force, limit)
         if goal is not None and goal.task == "reach":
             self._bump = True

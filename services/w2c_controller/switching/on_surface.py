@@ -23,7 +23,7 @@ class OnSurface(InAir):
         travel, k, motion = self._travel, self._effector, self._motion_of(self._effector)
         above = travel.path.legs[1].points[0]
         if self._settled < SETTLE_TIME:
-            near = float(np.linalg.norm(self._hands.position(k) - above)) < SETTLE_DISTANCE
+            near = float(np.linalg.norm(self._end_effectors.position(k) - above)) < SETTLE_DISTANCE
             self._settled = self._settled + self._dt if near else 0.0
             self.feelers.tare(k, measured)
             if self._elapsed > motion.stall_time + SETTLE_TIME:
@@ -34,7 +34,7 @@ class OnSurface(InAir):
         if force > motion.touch_force:
             goal = self._require_goal()
             self._retargeting.enable(k, frame_from_normal(goal.normal))
-            self._hands.stop(k)
+            self._end_effectors.stop(k)
             self._emit("touched", f"measured {force:.0f} N")
             self._begin_load(goal)
         elif stuck:
@@ -94,7 +94,7 @@ class OnSurface(InAir):
     def _unload(self, _: Measured) -> None:
         k, state = self._effector, self._retargeting.state
         if not state.enabled[k]:
-            self._hands.stop(k)
+            self._end_effectors.stop(k)
             self._contacts.pop(k, None)
             if self._stay:
                 self._forget_goal()

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.goals.goals import Goal
-from w2c_controller.motion.hands import Hands
+from w2c_controller.motion.end_effectors import EndEffectors
 from w2c_controller.motion.routes import lift, retreat
 from w2c_controller.motion.terrain import Terrain
 from w2c_controller.motion.travel import Travel
@@ -42,18 +42,20 @@ def for_feet(motion: Motion) -> Motion:
 class Phases(Bookkeeping, ABC):
     """Beginnings and ends; what happens in between is in `InAir` and `OnSurface`."""
 
-    def __init__(self, retargeting: Retargeting, hands: Hands, sense_period: float) -> None:
+    def __init__(
+        self, retargeting: Retargeting, end_effectors: EndEffectors, sense_period: float
+    ) -> None:
         """Begin with whatever contacts the desired state has.
 
         Args:
             retargeting: Owns the desired state.
-            hands: Takes the targets of what is free.
+            end_effectors: Takes the targets of what is free.
             sense_period: Time between two measurements [s].
         """
         super().__init__()
         parameters = retargeting.parameters
         self._retargeting = retargeting
-        self._hands = hands
+        self._end_effectors = end_effectors
         self._motion: Motion = parameters.motion
         self._foot_motion = for_feet(parameters.motion)
         self._supervision = parameters.supervision
@@ -68,7 +70,9 @@ class Phases(Bookkeeping, ABC):
         """Back the way each came: along the normal of a contact, against reaching fingers"""
         self._terrains: dict[int, Terrain | None] = dict.fromkeys(range(4))
         """What the way back of each must clear, as known when it came"""
-        self._travel = Travel(hands, self._motion, parameters.filters.lead_position, self._dt)
+        self._travel = Travel(
+            end_effectors, self._motion, parameters.filters.lead_position, self._dt
+        )
         self._pushes = {k: PushCommand(parameters.push, self._dt) for k in HANDS}
         self._watch = ContactWatch(
             self._supervision,
@@ -127,13 +131,13 @@ class Phases(Bookkeeping, ABC):
         k = effector
         self._effector = k
         self._tared = self._bump = False
-        start, motion = self._hands.position(k), self._motion_of(k)
+        start, motion = self._end_effectors.position(k), self._motion_of(k)
         if k in FEET:
             self._travel.start(k, lift(start, self._away[k], motion))
         else:
-            self._hands.relax(k)
+            self._end_effectors.relax(k)
             start, velocity = self._travel.present(k)
-            rest = self._hands.rest[k]
+            rest = self._end_effectors.rest[k]
             way = retreat(start, self._away[k], rest, motion, velocity, self._terrains[k])
             self._travel.start(k, way)
         self._enter("retreat")
@@ -169,5 +173,5 @@ class Phases(Bookkeeping, ABC):
         """Return what is left between end effector and target [m]; -1 without a goal."""
         if self.goal is None:
             return -1.0
-        where = self._hands.position(self.goal.effector)
+        where = self._end_effectors.position(self.goal.effector)
         return math.dist(where.tolist(), self.goal.target.tolist())

@@ -18,8 +18,8 @@ import numpy.typing as npt
 from w2c.errors import GoalRefusedError
 from w2c.geometry import unit
 from w2c_controller.goals.goals import Goal
+from w2c_controller.motion.end_effectors import EndEffectors
 from w2c_controller.motion.grasp import pointing_rotation
-from w2c_controller.motion.hands import Hands
 from w2c_controller.motion.routes import approach, way_back
 from w2c_controller.parameters import FEET
 from w2c_controller.seiko.retargeting import Retargeting
@@ -35,15 +35,17 @@ Matrix = npt.NDArray[np.float64]
 class Switching(OnSurface):
     """One goal at a time; hands that lean, or hold a reached point, stay as they are meanwhile."""
 
-    def __init__(self, retargeting: Retargeting, hands: Hands, sense_period: float) -> None:
+    def __init__(
+        self, retargeting: Retargeting, end_effectors: EndEffectors, sense_period: float
+    ) -> None:
         """Begin with whatever contacts the desired state has.
 
         Args:
             retargeting: Owns the desired state.
-            hands: Takes the targets of what is free.
+            end_effectors: Takes the targets of what is free.
             sense_period: Time between two measurements [s].
         """
-        super().__init__(retargeting, hands, sense_period)
+        super().__init__(retargeting, end_effectors, sense_period)
         self._steps: dict[GoalPhase, Callable[[Measured], None]] = {
             "approach": self._approach,
             "touch": self._touch,
@@ -85,7 +87,7 @@ class Switching(OnSurface):
         lost = [k for k in range(4) if self._retargeting.state.lost[k]]
         for k in range(4):
             self._retargeting.keep(k)
-            self._hands.stop(k)
+            self._end_effectors.stop(k)
         for k, push in self._pushes.items():
             push.reset(float(self._retargeting.state.wrenches[k, 2]))
         self._forget_goal()
@@ -158,12 +160,12 @@ class Switching(OnSurface):
         self._tared = False
         self._away[k] = way_back(goal)
         if goal.task == "reach":
-            self._hands.rotations[k] = pointing_rotation(-self._away[k])
+            self._end_effectors.rotations[k] = pointing_rotation(-self._away[k])
         elif k in FEET:
             forward = self._retargeting.kinematics.rotations[k][:, 0]
-            self._hands.rotations[k] = _sole_on(goal.normal, forward)
+            self._end_effectors.rotations[k] = _sole_on(goal.normal, forward)
         else:
-            self._hands.relax(k)
+            self._end_effectors.relax(k)
         start, velocity = self._travel.present(k)
         try:
             path = approach(goal, start, velocity, self._motion_of(k))
@@ -171,7 +173,7 @@ class Switching(OnSurface):
             # The hand has left the place from which the way was planned.
             self._emit("aborted", str(error))
             self._forget_goal()
-            self._hands.stop(k)
+            self._end_effectors.stop(k)
             self._enter("hold")
             return
         # The way back needs what is known of the terrain; the goal, which is kept long, does not.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from w2c.messages import Array
-from w2c_controller.motion.filters import PoseFilters
+from w2c_controller.motion.pose_filters import PoseFilters
 from w2c_controller.parameters import Filters
 from w2c_controller.seiko.force_parameters import ForceParameters
 from w2c_controller.sensing.admittance import Admittance

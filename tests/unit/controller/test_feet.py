@@ -27,7 +27,7 @@ def test_a_released_foot_is_unloaded_lifted_and_stays_in_the_air(make_world: Mak
     assert world.phases == ["unload", "retreat", "hold"]
     assert world.retargeting.state.enabled == (False, True, False, False)
     world.run(3.0)
-    foot = world.hands.position(LEFT_FOOT)
+    foot = world.end_effectors.position(LEFT_FOOT)
     assert foot[2] == pytest.approx(Motion().foot_lift, abs=5e-3)
     assert np.linalg.norm(foot[:2] - [0.0, 0.085]) < 5e-3
     assert world.told() == [("lift", "released")]
@@ -41,7 +41,9 @@ def test_a_foot_in_contact_is_lifted_moved_put_down_and_loaded(make_world: MakeW
     assert world.phases == ["unload", "retreat", "approach", "touch", "load", "contact"]
     assert world.told() == [("step", state) for state in ("moving", "touched", "loaded")]
     world.run(5.0)
-    np.testing.assert_allclose(world.hands.position(LEFT_FOOT), [0.08, 0.10, 0.0], atol=5e-3)
+    np.testing.assert_allclose(
+        world.end_effectors.position(LEFT_FOOT), [0.08, 0.10, 0.0], atol=5e-3
+    )
     assert world.retargeting.state.enabled == (True, True, False, False)
     assert world.normal(LEFT_FOOT) > 300.0
     assert world.retargeting.failures == 0
@@ -55,7 +57,7 @@ def test_a_foot_is_a_support_only_where_it_felt_the_ground(make_world: MakeWorld
     assert "no surface" in world.events[-1].reason
     world.run(6.0)
     assert world.retargeting.state.enabled == (False, True, False, False)
-    assert world.hands.position(LEFT_FOOT)[2] > 0.01
+    assert world.end_effectors.position(LEFT_FOOT)[2] > 0.01
 
 
 def test_a_foot_comes_off_while_a_hand_leans(make_world: MakeWorld) -> None:
@@ -96,7 +98,7 @@ def test_a_foot_that_touches_something_on_its_way_stays_there(make_world: MakeWo
     assert world.run(2.0, "aborted") == "aborted"
     assert "touched something" in world.events[-1].reason
     assert world.findings[-1].cause == "contact_unexpected"
-    where = world.hands.position(LEFT_FOOT)
+    where = world.end_effectors.position(LEFT_FOOT)
     world.run(2.0)
-    assert np.linalg.norm(world.hands.position(LEFT_FOOT) - where) < 0.01
+    assert np.linalg.norm(world.end_effectors.position(LEFT_FOOT) - where) < 0.01
     assert not world.retargeting.state.enabled[LEFT_FOOT]

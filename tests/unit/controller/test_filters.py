@@ -7,7 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from w2c.messages import Array
-from w2c_controller.motion.filters import Blend, PoseFilters, bang_bang_speed, low_pass_gain
+from w2c_controller.motion.blend import Blend
+from w2c_controller.motion.filters import bang_bang_speed, low_pass_gain
+from w2c_controller.motion.pose_filters import PoseFilters
 from w2c_controller.parameters import Filters
 
 DT = 0.002

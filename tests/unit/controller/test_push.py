@@ -63,7 +63,7 @@ def test_another_force_at_the_same_place_does_not_lift_the_hand(make_world: Make
     world = make_world()
     world.switching.place(make_goal(BOOK, goal_id="first", force=50.0))
     assert world.run(40.0, "loaded") == "loaded"
-    where = world.hands.position(RIGHT_HAND)
+    where = world.end_effectors.position(RIGHT_HAND)
     beside = (BOOK[0] + 0.01, BOOK[1], BOOK[2])
     world.switching.place(make_goal(beside, goal_id="second", force=25.0))
     assert world.run(20.0, "loaded") == "loaded"
@@ -80,7 +80,7 @@ def test_another_force_at_the_same_place_does_not_lift_the_hand(make_world: Make
     world.run(6.0)
     assert world.normal(RIGHT_HAND) > 30.0  # its share again, as balance finds best
     assert "unload" not in world.phases
-    assert np.linalg.norm(world.hands.position(RIGHT_HAND) - where) < 2e-3
+    assert np.linalg.norm(world.end_effectors.position(RIGHT_HAND) - where) < 2e-3
 
 
 def test_another_place_does_lift_it(make_world: MakeWorld) -> None:

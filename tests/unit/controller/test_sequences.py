@@ -39,17 +39,17 @@ def test_a_bit_to_the_left_while_the_hand_moves_bends_the_way(
     world.run(after)
     assert world.switching.phase == "approach"
     goal = make_goal(A_BIT_TO_THE_LEFT, goal_id="left")
-    speed = world.hands.speed(RIGHT_HAND)
-    velocity = world.hands.velocity(RIGHT_HAND)
+    speed = world.end_effectors.speed(RIGHT_HAND)
+    velocity = world.end_effectors.velocity(RIGHT_HAND)
     world.switching.place(goal)
     slowest, distances = speed, [world.switching.distance()]
     for tick in range(100):
         world.run(world.dt)
-        change = world.hands.velocity(RIGHT_HAND) - velocity
+        change = world.end_effectors.velocity(RIGHT_HAND) - velocity
         velocity = velocity + change
         assert np.abs(change).max() < 2.0 * Filters().acceleration * world.dt
         if tick < 40:
-            slowest = min(slowest, world.hands.speed(RIGHT_HAND))
+            slowest = min(slowest, world.end_effectors.speed(RIGHT_HAND))
         distances.append(world.switching.distance())
     # It neither stops nor turns back.
     assert slowest > 0.4 * speed
@@ -57,7 +57,7 @@ def test_a_bit_to_the_left_while_the_hand_moves_bends_the_way(
     assert world.run(30.0, "loaded") == "loaded"
     assert world.told()[:3] == [("there", "moving"), ("there", "aborted"), ("left", "moving")]
     target = np.array(A_BIT_TO_THE_LEFT)
-    assert np.linalg.norm(world.hands.position(RIGHT_HAND)[:2] - target[:2]) < 0.01
+    assert np.linalg.norm(world.end_effectors.position(RIGHT_HAND)[:2] - target[:2]) < 0.01
 
 
 def test_a_new_goal_while_the_hand_feels_for_the_surface(make_world: MakeWorld) -> None:

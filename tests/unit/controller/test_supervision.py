@@ -64,7 +64,7 @@ def hurry(world: ContactWorld) -> float:
 def test_a_hand_that_lost_its_support_is_unloaded_and_the_robot_holds(
     leaning: ContactWorld,
 ) -> None:
-    where, haste = leaning.hands.position(RIGHT_HAND), hurry(leaning)
+    where, haste = leaning.end_effectors.position(RIGHT_HAND), hurry(leaning)
     assert haste > 1.5
     leaning.gone.add(RIGHT_HAND)
     waited = seconds_until(leaning, lambda: bool(leaning.findings), 1.0)
@@ -77,7 +77,7 @@ def test_a_hand_that_lost_its_support_is_unloaded_and_the_robot_holds(
     assert free < 0.5  # a robot whose support went falls while it unloads as ever
     leaning.run(3.0)
     assert leaning.switching.phase == "hold"
-    assert np.linalg.norm(leaning.hands.position(RIGHT_HAND) - where) < 0.02
+    assert np.linalg.norm(leaning.end_effectors.position(RIGHT_HAND) - where) < 0.02
     assert leaning.retargeting.failures == 0
     assert len(leaning.findings) == 1
 
@@ -251,10 +251,10 @@ def test_a_hand_on_its_way_to_a_contact_that_touches_something_stays_there(
     assert "touched something" in world.events[-1].reason
     assert "cm before the point" in world.events[-1].reason
     assert world.findings[0].cause == "contact_unexpected"
-    where = world.hands.position(RIGHT_HAND)
+    where = world.end_effectors.position(RIGHT_HAND)
     world.run(2.0)
     assert world.switching.phase == "hold"
-    assert np.linalg.norm(world.hands.position(RIGHT_HAND) - where) < 0.01
+    assert np.linalg.norm(world.end_effectors.position(RIGHT_HAND) - where) < 0.01
 
 
 def test_an_arm_that_is_jerked_touches_nothing(model: ControlledModel, joints: Array) -> None:

@@ -40,7 +40,9 @@ def test_a_contact_is_touched_loaded_held_released_and_brought_back(at_table: Co
     assert at_table.states() == ["moving", "touched", "loaded", "released"]
     assert at_table.events[-1].goal_id == "r"
     at_table.run(3.0)
-    assert np.linalg.norm(at_table.hands.position(3) - at_table.hands.rest[3]) < 0.01
+    assert (
+        np.linalg.norm(at_table.end_effectors.position(3) - at_table.end_effectors.rest[3]) < 0.01
+    )
 
 
 def test_a_contact_is_enabled_at_a_measured_force_only(at_table: ContactWorld) -> None:
@@ -163,12 +165,12 @@ def test_weight_that_cannot_be_taken_off_is_reported_and_kept(
 def test_abort_leaves_hands_where_they_are(in_air: ContactWorld) -> None:
     in_air.switching.place(make_goal(FAR_CUP, "left_hand", task="reach"))
     in_air.run(3.0)
-    where = in_air.hands.position(2)
+    where = in_air.end_effectors.position(2)
     in_air.switching.abort("stopped")
     in_air.run(3.0)
     assert in_air.events[-1].state == "aborted"
     assert in_air.switching.phase == "hold"
-    assert np.linalg.norm(in_air.hands.position(2) - where) < 0.03
+    assert np.linalg.norm(in_air.end_effectors.position(2) - where) < 0.03
 
 
 def test_a_goal_that_is_replaced_is_told_to_have_ended(in_air: ContactWorld) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.kinematics.model import Kinematics
-from w2c_controller.motion.filters import PoseFilters
+from w2c_controller.motion.pose_filters import PoseFilters
 from w2c_controller.parameters import FEET, HANDS
 from w2c_controller.seiko.retargeting import Retargeting
 
@@ -12,7 +12,7 @@ Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 
 
-class Hands:
+class EndEffectors:
     """Targets and filters of hands and feet. A free one without a goal stays where it was left."""
 
     def __init__(self, retargeting: Retargeting, at_rest: Kinematics) -> None:
