@@ -26,6 +26,7 @@ from w2c_dialogue.advice.advisor import Advisor
 from w2c_dialogue.advice.checks import Checks
 from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.advice.pointing import MaskedPointing
+from w2c_dialogue.advice.points import PointVeto
 from w2c_dialogue.advice.veto import unknown_text
 from w2c_dialogue.advice.watch import Watch
 from w2c_dialogue.advice.wordlist import check_phrases
@@ -121,6 +122,7 @@ class DialogueNode:
         self._bus.serve(topics.SAY, self.say, workers=WORKERS)
         self._bus.serve(topics.CONFIRM, self.confirm, workers=WORKERS)
         self._bus.serve(topics.POINT, self.point, workers=WORKERS)
+        self._bus.serve(topics.VETO, PointVeto(self._guard, self._frames).answer)
 
     def run(self, stop: threading.Event) -> None:
         """Repeat the target and watch over the goal until the end."""

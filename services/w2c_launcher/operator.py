@@ -6,7 +6,6 @@ import uuid
 from typing import Annotated
 
 import msgspec
-import numpy as np
 
 from w2c import topics
 from w2c.bus import Bus, Queue
@@ -18,17 +17,16 @@ from w2c.messages import (
     Empty,
     EndEffector,
     GoalEvent,
-    PlaceGoal,
     PointRequest,
     ReleaseGoal,
     SayRequest,
     StopRequest,
     Target,
-    Task,
     Turn,
 )
 from w2c.system import Connection, service_config
 from w2c_launcher.advice import follow_advice
+from w2c_launcher.placing import PlaceConfig, place_point
 
 FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}
 GOOD_STATES = {"loaded", "reached", "released"}
@@ -93,26 +91,6 @@ def confirm(arguments: list[str] | None = None) -> int:
         return _finish(turn, events, config.wait)
 
 
-class PlaceConfig(Connection, frozen=True, kw_only=True):
-    """Bring an end effector to a point of the world, or of the picture, without words."""
-
-    end_effector: EndEffector
-    """Which one."""
-    task: Task = "contact"
-    """contact = lean on it, reach = touch it."""
-    point: tuple[float, float, float] | None = None
-    """On the surface, in the world [m]."""
-    pixel: tuple[float, float] | None = None
-    """(u, v) in the newest picture."""
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Of the surface at --point."""
-    force: Annotated[float, msgspec.Meta(ge=0)] = 0.0
-    """Normal force that a hand in contact pushes with, at --point [N]; 0 = as balance finds best.
-    At the place where the hand leans already it only changes the force."""
-    wait: Annotated[float, msgspec.Meta(ge=0)] = 60.0
-    """How long to wait for the end [s]; 0 = return at once."""
-
-
 def place(arguments: list[str] | None = None) -> int:
     """Place an end effector. Exit status 0 when it got there."""
     config = parse(PlaceConfig, arguments or [], program="w2c place")
@@ -125,15 +103,9 @@ def place(arguments: list[str] | None = None) -> int:
         if config.pixel is not None:
             goal_id = _place_pixel(bus, config, config.pixel)
         else:
-            goal = PlaceGoal(
-                goal_id=f"place-{uuid.uuid4().hex[:8]}",
-                end_effector=config.end_effector,
-                task=config.task,
-                point=np.array(config.point),
-                normal=np.array(config.normal),
-                force=config.force,
-            )
-            goal_id = bus.call(topics.PLACE, goal).message.goal_id
+            goal_id, note = place_point(bus, config)
+            if note:
+                print(note)
         return _follow(events, goal_id, config.wait)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from w2c.errors import RefusedError
 from w2c.geometry import Intrinsics, Matrix, Vector, apply
 from w2c_perception.growing import Piece, grow
-from w2c_perception.surroundings import Surroundings, look_around
+from w2c_perception.surroundings import look_around
 from w2c_perception.window import SMALLEST_NOISE, Depth, Seed, find_seed, noise, samples
 
 COVERS = 2.0
@@ -21,9 +21,6 @@ BY_CHANCE = 1.2
 """Variances of the noise that a fit leaves over where nothing is wrong with it"""
 OUTLIER = 0.012
 """What is further from the plane than this is another thing, not roughness [m]"""
-ROUGH = 0.004
-"""Root mean square distance from the plane that an operator is told of [m]"""
-STEEP = np.radians(30.0)
 MAX_BLUR = 16.0
 """The camera moved by more between colour and depth: nobody knows what the pixel showed [px]"""
 
@@ -99,7 +96,7 @@ def lift(
         slope=slope,
         extent=around.extent,
         edge_distance=around.edge_distance,
-        warning=_warning(around, footprint, flatness, slope, seed, blur),
+        warning=_warning(seed, blur),
     )
 
 
@@ -190,24 +187,12 @@ def _flatness(
     return float(np.sqrt(max(0.0, float(np.var(off[own])) - added)))
 
 
-def _warning(
-    around: Surroundings,
-    footprint: float,
-    flatness: float,
-    slope: float,
-    seed: Seed,
-    blur: float,
-) -> str:
-    """Return what an operator should know, or nothing."""
+def _warning(seed: Seed, blur: float) -> str:
+    """Return what an operator should know of where the point is, or nothing.
+
+    Whether the surface carries anything is not said here: see `fitness`.
+    """
     remarks = []
-    if around.extent < footprint:
-        remarks.append(
-            f"near an edge: {around.extent * 100:.1f} cm of flat surface around the point"
-        )
-    if flatness > ROUGH:
-        remarks.append(f"not flat: {flatness * 1000:.0f} mm")
-    if slope > STEEP:
-        remarks.append(f"steep: {np.degrees(slope):.0f} degrees")
     if seed.moved > 0.0:
         remarks.append("moved to the nearest surface in front")
     if blur >= 1.0:

@@ -236,6 +236,9 @@ CONFIRM = Method(
 POINT = Method(
     "dialogue", "point", m.PointRequest, m.Turn, ("console", "operator", "evaluation"), 30.0
 )
+VETO = Method(
+    "dialogue", "veto", m.VetoRequest, m.VetoReply, ("operator", "console", "evaluation"), 15.0
+)
 RECORD_START = Method("recorder", "start", m.RecordRequest, m.RecorderStatus, OPERATORS)
 RECORD_STOP = Method("recorder", "stop", m.Empty, m.RecorderStatus, OPERATORS, timeout_s=30.0)
 RECORD_STATUS = Method("recorder", "status", m.Empty, m.RecorderStatus, OPERATORS)
@@ -246,7 +249,7 @@ METHODS: tuple[Method[Any, Any], ...] = (
     FIND_ALLOWED_AREA, POINT_CLOUD,
     PLACE, RELEASE, CONTROLLER_STOP,
     CONTROLLER_RESUME, SNAPSHOT, PREVIEW,
-    COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, RECORD_START, RECORD_STOP, RECORD_STATUS,
+    COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, VETO, RECORD_START, RECORD_STOP, RECORD_STATUS,
     RECORD_MARK,
 )  # fmt: skip
 

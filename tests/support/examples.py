@@ -338,6 +338,8 @@ def all_examples() -> dict[str, m.Message]:
             refusal="a person is there",
             seconds=0.3,
         ),
+        m.VetoRequest(point=np.array([0.6, 0.1, 0.8])),
+        m.VetoReply(refusal="a person is there", note="nobody looked"),
         m.AllowedAreaRequest(frame_stamp_ns=3, robot_boot_id="b"),
         m.AllowedArea(
             stamp_ns=3,

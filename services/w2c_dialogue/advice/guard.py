@@ -1,7 +1,7 @@
 """The veto list at the door: asked for the advice, and once more before anything moves."""
 
 from w2c.errors import CallError, RefusedError
-from w2c.messages import AllowedArea
+from w2c.messages import AllowedArea, Array
 from w2c_dialogue.advice.heat import Place, hits
 from w2c_dialogue.advice.mask import with_veto
 from w2c_dialogue.advice.veto import UncheckedVeto, Verdict
@@ -44,16 +44,30 @@ class Guard:
 
         Waits for grounding as long as `Watch` does, or takes its answer from memory.
         """
+        return self.verdict_at(shown.frame, self.place(shown), shown.named)
+
+    def verdict_at(self, frame: Frame, place: Place, said: str = "") -> Verdict:
+        """Return what the veto list says of a place in a picture.
+
+        Args:
+            frame: The picture.
+            place: Where.
+            said: What the operator called the place; "" = nothing.
+        """
         if not self._phrases:
             return Verdict()
-        named = next(iter(named_in(shown.named, self._phrases)), "")
+        named = next(iter(named_in(said, self._phrases)), "")
         try:
-            seen = self._watch.look(shown.frame)
+            seen = self._watch.look(frame)
         except CallError as error:
             return Verdict(named=named, failure=str(error))
-        found = hits(seen.of(self._phrases), self.place(shown), self._share)
+        found = hits(seen.of(self._phrases), place, self._share)
         unknown = tuple(phrase for phrase in self._phrases if phrase in seen.unknown)
         return Verdict(found, named, unknown)
+
+    def without_picture(self, reason: str) -> Verdict:
+        """Return the verdict on a place of which there is no picture, for a reason."""
+        return Verdict(failure=reason) if self._phrases else Verdict()
 
     def refusal(self, verdict: Verdict) -> str:
         """Return why a target of this verdict cannot be confirmed; "" = it can."""
@@ -88,6 +102,16 @@ class Guard:
 
     def place(self, shown: Shown) -> Place:
         """Return what is looked at around a target."""
-        target, frame = shown.target, shown.frame
-        scale = pixels_per_cm(target.point, frame.view)
-        return Place(target.u, target.v, 100.0 * self._margin * scale, frame.width, frame.height)
+        target = shown.target
+        return self.place_at(shown.frame, (target.u, target.v), target.point)
+
+    def place_at(self, frame: Frame, pixel: tuple[float, float], point: Array | None) -> Place:
+        """Return what is looked at around a pixel of a picture.
+
+        Args:
+            frame: The picture.
+            pixel: Where in it.
+            point: (3,) of the world that it shows [m]; None: not known.
+        """
+        scale = pixels_per_cm(point, frame.view)
+        return Place(*pixel, 100.0 * self._margin * scale, frame.width, frame.height)

@@ -7,7 +7,14 @@ Wrenches are force then torque, what the environment exerts on the robot. Pixels
 down).
 """
 
-from w2c.messages.advice import Advice, AdviceCheck, Remark, Unchecked
+from w2c.messages.advice import (
+    Advice,
+    AdviceCheck,
+    Remark,
+    Unchecked,
+    VetoReply,
+    VetoRequest,
+)
 from w2c.messages.allowed import AllowedArea, AllowedAreaRequest
 from w2c.messages.base import (
     Array,
@@ -150,5 +157,7 @@ __all__ = [
     "Truth",
     "Turn",
     "Unchecked",
+    "VetoReply",
+    "VetoRequest",
     "check_array",
 ]

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from w2c.messages.base import Message, Name, Stamp, Text
+from w2c.messages.base import Array, Message, Name, Stamp, Text, check_array
 
 AdviceCheck = Literal["veto", "surface", "material", "reach"]
 
@@ -47,3 +47,23 @@ class Advice(Message, frozen=True, kw_only=True):
     """Why a confirmation would be refused; "" = it would not, by what is known so far"""
     seconds: float
     """Since the target was published [s]"""
+
+
+class VetoRequest(Message, frozen=True, kw_only=True):
+    """May this point of the world be touched, by what the newest picture shows there?"""
+
+    point: Array
+    """(3,) on the surface, in the world [m]"""
+
+    def __post_init__(self) -> None:
+        """Refuse NaN, infinity and wrong shapes."""
+        check_array("point", self.point, (3,))
+
+
+class VetoReply(Message, frozen=True, kw_only=True):
+    """What the veto list says of a point."""
+
+    refusal: Text = ""
+    """Why it is not to be touched, for the operator; "" = nothing forbids it"""
+    note: Text = ""
+    """What could not be looked at, for the operator"""

@@ -73,7 +73,8 @@ class LiftReply(Message, frozen=True, kw_only=True):
     """To the nearest place where the surface is seen to end [m]; 0.25 where none is nearer"""
     frame_stamp_ns: Stamp
     warning: Text = ""
-    """What an operator should know: near an edge, rough, steep"""
+    """What an operator should know of where the point is: moved to a surface in front, depth of
+    another instant. Of the surface: `verdicts`"""
     verdicts: Annotated[list[FitnessVerdict], msgspec.Meta(max_length=20)] = []
     """On its fitness to carry a hand of the footprint, each with its reason; [] = not judged"""
 
