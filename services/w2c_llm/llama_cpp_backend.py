@@ -79,6 +79,11 @@ class LlamaCppBackend:
         """Tokens evaluated since the start."""
         return self._sequences.evaluated_tokens
 
+    def count_tokens(self, messages: Sequence[ChatMessage]) -> int:
+        """Return how many tokens a chat has as the beginning of a prompt."""
+        text = self._template.render(messages, answer_follows=False)
+        return len(self._model.tokenize(text, special=True))
+
     def close(self) -> None:
         """Free context and weights. Idempotent."""
         self._sequences.close()

@@ -1,0 +1,1 @@
+"""What a request costs here, beside llama-cpp-python's own way to ask it."""
