@@ -65,11 +65,14 @@ class Utterance:
         return " ".join(self.folded).rstrip(",")
 
     def numbered(self) -> str:
-        """Return the folded words, each with its number behind it: `lean1 on2 it3`.
+        """Return the folded words, each with its number behind it: `lean1 103.2 on3 it4`.
 
         Behind, because a model reads forwards: it finds the word and copies what follows.
         """
-        return " ".join(f"{word}{i}" for i, word in enumerate(self.folded, 1))
+        return " ".join(
+            f"{word}.{i}" if word[-1].isdigit() else f"{word}{i}"
+            for i, word in enumerate(self.folded, 1)
+        )
 
     def phrase(self, span: Span) -> str:
         """Return the words of a span as typed, without outer punctuation and possessive s.

@@ -110,17 +110,17 @@ back, go back, undo, undo that, go back to where it was, undo the last move, can
 that back, back to the previous position, revert, revert that, previous position, move back, put
 it back, back to where it was before, no go back, undo it, as before, like before, where it was
 before, return to the previous point, the last one was better, it was better before, before was
-better, back where you were, undo the last correction, opposite direction, move in the opposite
-direction, the other direction, in the other direction, step back, return
+better, back where you were, undo the last correction, step back, return
 """),
-    "-2": names(
+    "-1.5": names(
         """
 no, the other way | other way | wrong direction | wrong way | no, the opposite direction | the
 opposite | that's the wrong direction | no the other direction | I meant the other way | the other
 way please | not that way, the other way | the other way around | opposite, not that way | you
 moved the wrong way | you went the wrong way | no, other side | wrong side | it went the wrong way
 | no, the other side | no, in the opposite direction | no, wrong direction | the other way | not
-this way, the other | the reverse
+this way, the other | the reverse | opposite direction | move in the opposite direction | the other
+direction | in the other direction
 """,
         "|",
     ),

@@ -24,6 +24,8 @@ class Correction:
     y: str
     needs_past: int = 0
     """How many earlier corrections it speaks of"""
+    scene: str = ""
+    """Facts about the boxes under which it is right; empty: any"""
 
 
 def correction(draw: Draw) -> Correction:
@@ -232,7 +234,8 @@ def _between(draw: Draw) -> Correction:
     things = {"A": phrase(draw), "B": phrase(draw)}
     said = f"{draw.pick(words.BETWEEN)} {article(draw)} {{A}} and {article(draw)} {{B}}"
     draft = _finish(draw, said, things, bare=0.0, verbs=words.MOVE_POINT)
-    return Correction(draft, "(a.u+b.u)/2", "(a.v+b.v)/2")
+    scene = draw.pick(tuple(locations.BOXES_OF_BETWEEN))
+    return Correction(draft, *locations.BOXES_OF_BETWEEN[scene], scene=scene)
 
 
 def _pixels(draw: Draw) -> Correction:

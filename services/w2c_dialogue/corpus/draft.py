@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from w2c_dialogue.utterance import LETTERS, Span, Utterance, parse
+from w2c_dialogue.utterance import LETTERS, Span, Utterance, fold, parse
 
 
 @dataclass
@@ -41,11 +41,14 @@ class Draft:
     def finish(self) -> tuple[Utterance, list[Span]]:
         """Return the utterance and the span of the first mention of each object, in order."""
         utterance = parse(" ".join(self.words))
+        # Punctuation that stands alone is no word of an utterance.
+        pairs = zip(self.words, self.letters, strict=True)
+        letters = [letter for word, letter in pairs if fold(word).strip(",")]
         spans = []
         for letter in LETTERS:
-            if letter in self.letters:
-                first = last = self.letters.index(letter)
-                while last + 1 < len(self.letters) and self.letters[last + 1] == letter:
+            if letter in letters:
+                first = last = letters.index(letter)
+                while last + 1 < len(letters) and letters[last + 1] == letter:
                     last += 1
                 spans.append(Span(first + 1, last + 1))
         return utterance, spans

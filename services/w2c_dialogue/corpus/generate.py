@@ -133,7 +133,8 @@ def _correct(draw: Draw) -> Example:
     made = _correction(draw)
     utterance, mentions = _cut(made.draft, draw)
     moves = tuple(_move(draw) for _ in range(made.needs_past + draw.below(4)))
-    scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), moves, (), (), 10.0)
+    objects = tuple(_scene_objects(draw, made.scene, len(mentions)))
+    scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), moves, (), objects, 10.0)
     return _example(
         PROMPTS.correct(utterance, mentions, scene), answer_text({"x": made.x, "y": made.y})
     )

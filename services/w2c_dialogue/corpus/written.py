@@ -21,6 +21,7 @@ from w2c_dialogue.corpus.moves import read_move
 from w2c_dialogue.corpus.phrases import phrase, plain_phrase
 from w2c_dialogue.corpus.places import Place, read_place
 from w2c_dialogue.prompts.base import EFFECTORS, TASKS
+from w2c_dialogue.prompts.embedded import MAX_SPAN_WORDS
 
 Kind = Literal["instructions", "corrections", "confirmations", "dialogues"]
 TURN_KINDS: dict[str, Kind] = {"p": "instructions", "c": "corrections", "y": "confirmations"}
@@ -94,7 +95,8 @@ def read_line(kind: Kind, text: str) -> Iterator[Line]:
         for letter, turn in zip(letters, turns, strict=True):
             yield Line(TURN_KINDS[letter], "", turn, mirrors=False)
         return
-    line = Line(kind, meaning, utterance, not keeps and not _ADVERB.search(utterance))
+    mirrors = not keeps and bool(_SIDE_WORDS.search(utterance)) and not _ADVERB.search(utterance)
+    line = Line(kind, meaning, utterance, mirrors)
     _check(line)
     yield line
 
@@ -123,8 +125,8 @@ def correction_of(line: Line, draw: Draw) -> Correction:
     """Return a correction of the pattern of a line."""
     meaning, text = vary(line, draw)
     point, needs_past = read_move(meaning)
-    x, y, _ = _resolve(point, draw)
-    return Correction(_draft(text, draw), x, y, needs_past)
+    x, y, scene = _resolve(point, draw)
+    return Correction(_draft(text, draw), x, y, needs_past, scene)
 
 
 def written_words(draw: Draw, kind: Kind) -> Draft:
@@ -264,7 +266,8 @@ def _numeral(said: str) -> str:
 
 def _draft(text: str, draw: Draw) -> Draft:
     """Return the words of an utterance; its things kept, or others in their place."""
-    keep = draw.chance(KEPT_SHARE)
+    longest = max((len(name.split()) for name in _THING.findall(text)), default=0)
+    keep = longest <= MAX_SPAN_WORDS and draw.chance(KEPT_SHARE)
     draft, at = Draft(), 0
     text = text.replace("<", "").replace(">", "")
     for letter, match in zip("abc", _THING.finditer(text), strict=False):

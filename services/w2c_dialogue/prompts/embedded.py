@@ -24,7 +24,7 @@ from w2c_dialogue.prompts.base import (
 from w2c_dialogue.utterance import LETTERS, Mention, Span, Utterance
 
 IMAGE_WIDTH = 1280.0
-MAX_SPAN_WORDS = 10
+MAX_SPAN_WORDS = 12
 MAX_ENUM = 256
 """Longer lists are refused by the language service."""
 MAX_EXPRESSION = 60
@@ -87,8 +87,10 @@ class EmbeddedPrompts:
         self, utterance: Utterance, mentions: Sequence[Mention], scene: CorrectionScene
     ) -> Question:
         """Ask for the corrected target."""
-        moves = describe_moves(scene.moves)
-        content = f"{moves}\n{utterance.with_letters([m.span for m in mentions])}"
+        known = describe_moves(scene.moves)
+        if scene.objects:
+            known += f", {describe_boxes([o.box for o in scene.objects])}"
+        content = f"{known}\n{utterance.with_letters([m.span for m in mentions])}"
         return Question("correct", _messages("correct", content), 1, _point_schema())
 
     def effector(self, utterance: Utterance) -> Question:

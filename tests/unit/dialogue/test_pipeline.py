@@ -382,7 +382,7 @@ def test_objects_of_a_correction_are_looked_for() -> None:
     )
     world.say(FIRST)
     turn = world.say("closer to the cup")
-    assert world.model.last_question("correct") == "past none\ncloser to the A"
+    assert world.model.last_question("correct") == "past none, A right\ncloser to the A"
     assert turn.target is not None
     assert turn.target.u == pytest.approx(500 + 0.5 * (930 - 500))
     assert turn.target.phrases == ["cup"]

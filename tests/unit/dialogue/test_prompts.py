@@ -8,11 +8,11 @@ import pytest
 from w2c.errors import ModelError
 from w2c.messages import Box
 from w2c_dialogue.expressions import evaluate_point
-from w2c_dialogue.node import PROMPT_SETS
 from w2c_dialogue.prompts import large_texts
 from w2c_dialogue.prompts.base import CorrectionScene, Move, PromptSet, Question, SceneObject
 from w2c_dialogue.prompts.embedded import MAX_ENUM, EmbeddedPrompts, describe_boxes, describe_moves
 from w2c_dialogue.prompts.large import LargePrompts
+from w2c_dialogue.prompts.sets import PROMPT_SETS, PromptSetName
 from w2c_dialogue.utterance import Mention, Span, Utterance, parse
 from w2c_llm.schema import check_schema
 
@@ -34,7 +34,7 @@ def questions(prompts: PromptSet, utterance: Utterance) -> list[Question]:
 
 @pytest.mark.parametrize("name", sorted(PROMPT_SETS))
 @pytest.mark.parametrize("count", [1, 9, 10, 19, 20, 37, 60])
-def test_the_language_service_takes_every_schema(name: str, count: int) -> None:
+def test_the_language_service_takes_every_schema(name: PromptSetName, count: int) -> None:
     prompts = PROMPT_SETS[name]()
     for question in questions(prompts, parse("word " * count)):
         assert question.schema is not None
@@ -43,7 +43,7 @@ def test_the_language_service_takes_every_schema(name: str, count: int) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(PROMPT_SETS))
-def test_leading_messages_are_the_same_for_every_utterance(name: str) -> None:
+def test_leading_messages_are_the_same_for_every_utterance(name: PromptSetName) -> None:
     prompts = PROMPT_SETS[name]()
     one, other = parse("lean on the cup"), parse("a bit left")
     pairs = zip(
