@@ -146,9 +146,8 @@ class Motion:
     """Measured normal force that is a touch [N]."""
     load_confirmed: float = 5.0
     """Measured normal force without which a contact does not count as loaded [N]."""
-    reach_standoff: float = 0.01
-    """Where a reaching hand stops before the point, on the way it came [m]."""
     reached_distance: float = 0.02
+    """From where a reaching hand shall stop, off the surface [m]."""
     reached_speed: float = 0.02
     bump_force: float = 10.0
     """Measured force that stops a reaching hand [N]."""

@@ -18,6 +18,7 @@ from w2c.messages import (
 )
 from w2c.messages.robot import DriverMode
 from w2c_controller.controller import Controller
+from w2c_controller.motion.grasp import REACH_STANDOFF
 from w2c_controller.preview.reach import farthest_reach
 from w2c_controller.switching.events import Event
 from w2c_sim_robot.description import make_description
@@ -42,7 +43,7 @@ class Outcome:
     first: str = ""
     """Last event of the reach on two feet"""
     gap_on_two_feet: float = -1.0
-    """Truth [m]"""
+    """From where the hand should come, truth [m]"""
     lean: str = ""
     hand_force: float = 0.0
     """Of the right hand when the left has reached, truth [N]"""
@@ -146,11 +147,12 @@ def lean_and_reach(seed: int) -> Outcome:
     outcome = Outcome(scene=scene, band=band)
     book = np.array(scene.object("book").top_in_world)
     cup = np.array(scene.object("cup").top_in_world)
+    at_cup = cup + REACH_STANDOFF * UP
     requests = loop.controller.requests
     loop.run(2.5)
     requests.place(place("too far", "left_hand", "reach", cup))
     outcome.first = loop.run(40.0, ("reached", "unreachable", "aborted"))
-    outcome.gap_on_two_feet = loop.gap(2, cup)
+    outcome.gap_on_two_feet = loop.gap(2, at_cup)
     requests.release(ReleaseGoal(goal_id="back", end_effector="left_hand"))
     loop.run(30.0, ("released",))
     requests.place(place("lean", "right_hand", "contact", book))
@@ -159,7 +161,7 @@ def lean_and_reach(seed: int) -> Outcome:
         requests.place(place("cup", "left_hand", "reach", cup))
         outcome.second = loop.run(40.0, ("reached", "unreachable", "aborted"))
         loop.run(1.0)
-        outcome.gap_leaning = loop.gap(2, cup)
+        outcome.gap_leaning = loop.gap(2, at_cup)
         truth = loop.simulator.truth()
         outcome.hand_force = float(np.linalg.norm(truth.contact_forces[3]))
         feet = np.array([[0.0, 0.085, 0.0], [0.0, -0.085, 0.0]])

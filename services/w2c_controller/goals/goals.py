@@ -1,7 +1,7 @@
 """What a goal must be before anything moves; a refusal says value, limit and what to do."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +9,7 @@ import numpy.typing as npt
 from w2c.errors import GeometryError, GoalRefusedError
 from w2c.geometry import unit
 from w2c.messages import EndEffector, PlaceGoal, Task
+from w2c_controller.motion.grasp import REACH_STANDOFF, approach_direction, standoff
 from w2c_controller.motion.terrain import Terrain
 from w2c_controller.parameters import EFFECTORS, FEET, HANDS, Limits
 
@@ -47,9 +48,12 @@ class Goal:
     normal: Vector
     """(3,) unit"""
     target: Vector
-    """(3,) where the frame of the end effector is when it touches the point [m]"""
+    """(3,) where the frame of the end effector shall be [m]: where it touches the point, or a
+    little off the surface, for a reach"""
     force: float = 0.0
     """Normal force to push with [N]; 0: its share, as balance finds best"""
+    steeper: float = 0.0
+    """That the fingers of a reaching hand point down more than they would [rad]"""
     terrain: Terrain | None = None
     """What the way must clear; None: nothing is known of it"""
 
@@ -57,6 +61,11 @@ class Goal:
     def effector(self) -> int:
         """Index of the end effector."""
         return EFFECTORS.index(self.end_effector)
+
+    @property
+    def fingers(self) -> Vector:
+        """Direction (3,) in which a reaching hand points."""
+        return approach_direction(self.point, self.normal, self.steeper)
 
     def is_at(self, position: Vector, normal: Vector, within: float) -> bool:
         """Return whether a contact at a position (3,) with a normal (3,) is what is asked for."""
@@ -93,7 +102,7 @@ def check_place(
         _check_point(point)
         _check_surface(message, normal)
     radius = hand_radius[effector - HANDS[0]] if effector in HANDS else 0.0
-    return Goal(
+    goal = Goal(
         goal_id=message.goal_id,
         end_effector=message.end_effector,
         task=message.task,
@@ -102,6 +111,20 @@ def check_place(
         target=point + radius * normal,
         force=_checked_force(message, effector, limits),
     )
+    return goal if message.task == "contact" else pointed(goal, radius)
+
+
+def pointed(goal: Goal, radius: float, steeper: float = 0.0) -> Goal:
+    """Return the goal of a reaching hand whose fingers point down more than they would.
+
+    Args:
+        goal: Of a hand.
+        radius: Of the ball that the hand is; 0: it is open, with fingers [m].
+        steeper: [rad]
+    """
+    goal = replace(goal, steeper=steeper)
+    off = radius + REACH_STANDOFF if radius > 0.0 else standoff(goal.fingers, goal.normal)
+    return replace(goal, target=goal.point + off * goal.normal)
 
 
 def _checked_force(message: PlaceGoal, effector: int, limits: Limits) -> float:

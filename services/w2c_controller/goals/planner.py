@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from w2c.errors import GoalRefusedError
 from w2c.messages import HeightField
-from w2c_controller.goals.goals import Goal
+from w2c_controller.goals.goals import Goal, pointed
 from w2c_controller.kinematics.model import ControlledModel, Kinematics
+from w2c_controller.motion.grasp import STEEPER
 from w2c_controller.motion.routes import UP, check_retreat, plan_approach
 from w2c_controller.motion.terrain import Arm, make_terrain
 from w2c_controller.parameters import HANDS, Motion
@@ -30,6 +32,7 @@ class RoutePlanner:
             motion: Clearances and speeds.
         """
         self._motion = motion
+        self._hand_radius = controlled.hand_radius
         self._kinematics = Kinematics(controlled)
         self._arms = {}
         self._rest = {}
@@ -43,6 +46,8 @@ class RoutePlanner:
 
     def plan(self, goal: Goal, field: HeightField, posture: Vector, *, leaves: bool) -> Goal:
         """Return the goal with the terrain of its way.
+
+        A hand that reaches points down more where something stands before its point.
 
         Args:
             goal: That was checked.
@@ -68,7 +73,23 @@ class RoutePlanner:
         start = self._kinematics.positions[k].copy()
         if leaves:
             start = start + self._motion.retreat_height * UP
-        planned = replace(goal, terrain=terrain)
-        planned = plan_approach(planned, start, self._motion)
-        check_retreat(planned, self._rest[k], self._motion)
+        if goal.task != "reach":
+            return self._planned(replace(goal, terrain=terrain), start)
+        blocked, tried = None, None
+        for steeper in STEEPER:
+            turned = pointed(goal, self._hand_radius[k - HANDS[0]], steeper)
+            if tried is not None and (turned.fingers == tried).all():
+                continue
+            tried = turned.fingers
+            try:
+                over = replace(terrain, behind=-tried)
+                return self._planned(replace(turned, terrain=over), start)
+            except GoalRefusedError as error:
+                blocked = blocked or error
+        raise blocked or GoalRefusedError("no way of the hand was tried")
+
+    def _planned(self, goal: Goal, start: Vector) -> Goal:
+        """Return a goal with the bow of its way. Raises GoalRefusedError."""
+        planned = plan_approach(goal, start, self._motion)
+        check_retreat(planned, self._rest[goal.effector], self._motion)
         return planned

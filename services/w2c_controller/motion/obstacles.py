@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from w2c_controller.motion.terrain import ARM_BALLS, ARM_SPACING, FREE, Terrain
+from w2c_controller.motion.terrain import FREE, Terrain
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -46,12 +46,9 @@ def find_obstacle(terrain: Terrain, position: Vector, clearance: float) -> Obsta
     rows, columns = heights.shape
     x = terrain.origin[0] + (np.arange(rows) + 0.5) * terrain.cell
     y = terrain.origin[1] + (np.arange(columns) + 0.5) * terrain.cell
-    towards = arm.elbow - position
-    towards = towards / max(float(np.linalg.norm(towards)), 1e-9)
     radius = arm.radius + clearance + 1.5 * terrain.cell
     most, found = 0.0, (-1, -1)
-    for ball in range(ARM_BALLS):
-        centre = position + ball * ARM_SPACING * towards
+    for centre in terrain.balls(position):
         near = np.hypot(x[:, None] - centre[0], y[None, :] - centre[1]) < radius
         excess = np.where(near & (heights > FREE), heights - centre[2] + radius, 0.0)
         row, column = np.unravel_index(int(np.argmax(excess)), excess.shape)

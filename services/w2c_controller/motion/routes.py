@@ -14,7 +14,6 @@ import numpy.typing as npt
 
 from w2c.errors import GoalRefusedError
 from w2c_controller.goals.goals import Goal
-from w2c_controller.motion.grasp import approach_direction
 from w2c_controller.motion.obstacles import find_obstacle
 from w2c_controller.motion.terrain import Terrain
 from w2c_controller.motion.trajectory import Bow, Leg, Path, make_leg, straight
@@ -54,15 +53,14 @@ def way_back(goal: Goal) -> Vector:
     """
     if goal.task == "contact":
         return goal.normal
-    return -approach_direction(goal.target, goal.normal)
+    return -goal.fingers
 
 
 def approach(goal: Goal, start: Vector, velocity: Vector, motion: Motion) -> Path:
     """Return the path to a goal: a curve to a point before it, then straight on.
 
-    To a contact the second leg goes on below the surface, slowly, because the surface ends it. To a
-    reach it ends a little before the point. The path begins with the velocity that the end effector
-    has: a goal may change while it moves.
+    To a contact the second leg goes on below the surface, slowly, because the surface ends it. The
+    path begins with the velocity that the end effector has: a goal may change while it moves.
 
     Args:
         goal: With the terrain that the way must clear, or without.
@@ -78,7 +76,7 @@ def approach(goal: Goal, start: Vector, velocity: Vector, motion: Motion) -> Pat
     if goal.task == "contact":
         last = straight(via, goal.target - motion.overtravel * away, motion.touch_speed)
     else:
-        last = straight(via, goal.target + motion.reach_standoff * away, motion.reach_speed)
+        last = straight(via, goal.target, motion.reach_speed)
     if goal.terrain is None:
         return Path((curve(start, velocity, via, away, DIRECT, motion.speed), last))
     bows = _planned(goal.terrain)
@@ -86,8 +84,7 @@ def approach(goal: Goal, start: Vector, velocity: Vector, motion: Motion) -> Pat
     if margin < 0.0:
         direct = curve(start, velocity, via, away, DIRECT, motion.speed)
         raise GoalRefusedError(_blocked("the way", goal.terrain, direct))
-    room, _ = goal.terrain.margin(straight(via, goal.target, motion.touch_speed), room=True)
-    if room < 0.0:
+    if goal.terrain.room(via, goal.target) < 0.0:
         raise GoalRefusedError(_no_room(goal.terrain, goal.target))
     return Path((first, last))
 

@@ -6,7 +6,7 @@ from w2c.errors import ControlError
 from w2c.geometry import frame_from_normal
 from w2c.messages import PlaceGoal, PreviewReply
 from w2c_controller.goals.goals import Goal, check_place
-from w2c_controller.motion.grasp import approach_direction, pointing_rotation
+from w2c_controller.motion.grasp import pointing_rotation
 from w2c_controller.preview.search import StaticSearch
 from w2c_controller.seiko.contacts import normal_force_limits
 from w2c_controller.seiko.desired import DesiredState
@@ -44,8 +44,7 @@ def preview(search: StaticSearch, state: DesiredState, message: PlaceGoal) -> Pr
 
 def aim(search: StaticSearch, goal: Goal) -> None:
     """Turn a hand as it would be turned to reach for a goal."""
-    rotation = pointing_rotation(approach_direction(goal.target, goal.normal))
-    search.state.target_rotations[goal.effector] = rotation
+    search.state.target_rotations[goal.effector] = pointing_rotation(goal.fingers)
 
 
 def _preview_load(search: StaticSearch, goal: Goal, distance: float) -> PreviewReply:

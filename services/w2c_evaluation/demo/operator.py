@@ -25,6 +25,8 @@ from w2c_evaluation.demo.scenario import Line
 FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}
 END_EFFECTORS = ("left_foot", "right_foot", "left_hand", "right_hand")
 MOTION_PATIENCE_S = 180.0
+REACH_STANDOFF_M = 0.02
+"""Off the surface is where a reaching hand shall come, along the normal"""
 SETTLE_S = 3.0
 """Robot time that the hand's load is watched after it was reported"""
 
@@ -134,7 +136,8 @@ class Operator:
             raise ScenarioError("a motion without an end cannot be measured")
         index = END_EFFECTORS.index(result.event.end_effector)
         radius = self._description.hand_radius[index - 2] if index >= 2 else 0.0
-        should: Vector = self.target.point + radius * self.target.normal
+        away = radius + (REACH_STANDOFF_M if result.event.task == "reach" else 0.0)
+        should: Vector = self.target.point + away * self.target.normal
         forces: list[float] = []
         first = last = self._next_truth()
         while (last.stamp_ns - first.stamp_ns) * 1e-9 < SETTLE_S:

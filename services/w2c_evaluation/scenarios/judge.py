@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from w2c.messages import Array
+from w2c_evaluation.demo.operator import REACH_STANDOFF_M
 from w2c_evaluation.scenarios.eyewitness import Wanted
 from w2c_evaluation.scenarios.hits import END_EFFECTORS, Robot, find_hits
 from w2c_evaluation.scenarios.record import Motion, Played, Understood
@@ -20,8 +21,6 @@ from w2c_evaluation.scenarios.scenario import Prompt, Scenario
 from w2c_evaluation.scenarios.truth_log import Sample
 
 REACHED_M = 0.03
-STANDOFF_M = 0.02
-"""Of a reach's target off the surface"""
 SUPPORT_N = 20.0
 SUPPORT_PERCENTILE = 5.0
 """Of the force while reaching that must be SUPPORT_N: one sample is not a support that fails"""
@@ -144,11 +143,11 @@ def _hand_error(
 ) -> float:
     """Return how far the hand that was named is from where it should be, when it has settled [m].
 
-    A sphere touches with its surface; a reach stops STANDOFF_M off the surface.
+    A sphere touches with its surface; a reach stops REACH_STANDOFF_M off the surface.
     """
     effector = END_EFFECTORS.index(prompt.meaning.effector)
     radius = hand_radius[effector - 2] if effector >= 2 else 0.0
-    away = radius + (STANDOFF_M if prompt.meaning.task == "reach" else 0.0)
+    away = radius + (REACH_STANDOFF_M if prompt.meaning.task == "reach" else 0.0)
     should = wanted.point + away * wanted.normal
     settled = [s for s in samples if motion.ended_ns <= s.stamp_ns <= motion.settled_ns]
     if not settled:

@@ -58,6 +58,11 @@ def test_the_target_is_the_radius_above_the_surface() -> None:
     goal = check_place(_place(normal=(0.0, 0.0, 2.0)), RADIUS)
     np.testing.assert_allclose(goal.target, [0.5, -0.25, 0.89])
     np.testing.assert_allclose(goal.normal, [0.0, 0.0, 1.0])
+
+
+def test_a_ball_that_reaches_stops_two_centimetres_off_the_surface() -> None:
+    goal = check_place(_place(task="reach"), RADIUS)
+    np.testing.assert_allclose(goal.target, [0.5, -0.25, 0.84 + 0.05 + 0.02])
     assert goal.effector == 3
 
 

@@ -13,7 +13,7 @@ from w2c_controller.parameters import LEFT_HAND, Parameters
 from w2c_controller.seiko.force_parameters import ForceParameters
 
 WALL = table((0.62, 0.3, 0.04, 1.0, 2.1))
-BOX = (0.62, 0.34, 0.06, 0.12, 0.99)
+BOX = (0.62, 0.34, 0.06, 0.12, 1.01)
 
 
 @pytest.fixture

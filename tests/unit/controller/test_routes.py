@@ -22,6 +22,7 @@ from w2c_controller.motion.routes import (
 from w2c_controller.motion.terrain import (
     ARM_BALLS,
     ARM_SPACING,
+    FULL_CLEARANCE,
     NEAR_CLEARANCE,
     NEAR_TARGET,
     OBJECT_RADIUS,
@@ -82,7 +83,10 @@ def distances(leg: Leg, field: HeightField, goal: Goal) -> list[float]:
     if goal.task == "reach":
         surface |= away < OBJECT_RADIUS
     low, tops, away = low[~surface], tops[~surface], away[~surface]
-    clearance = np.where(away < NEAR_TARGET, NEAR_CLEARANCE, Motion().clearance)
+    clearance = np.where(
+        away < FULL_CLEARANCE, 0.5 * (NEAR_CLEARANCE + Motion().clearance), Motion().clearance
+    )
+    clearance[away < NEAR_TARGET] = NEAR_CLEARANCE
     found = []
     for time in np.linspace(0.0, leg.duration, 50):
         hand = leg.position(time)

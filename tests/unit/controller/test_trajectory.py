@@ -61,12 +61,14 @@ def test_a_contact_is_approached_along_the_normal_and_searched_below_the_surface
     assert -UP @ heading / np.linalg.norm(heading) > 0.99
 
 
-def test_a_reach_stops_before_its_point() -> None:
+def test_a_reach_ends_at_its_target_and_comes_along_the_fingers() -> None:
     goal = _goal("reach")
     path = approach(goal, np.array([0.3, 0.4, 0.9]), AT_REST, Motion())
-    assert np.linalg.norm(path.end - goal.target) == pytest.approx(Motion().reach_standoff)
-    assert path.end[0] < goal.target[0]
-    assert path.end[2] > goal.target[2]
+    np.testing.assert_allclose(path.end, goal.target)
+    via = goal.target - Motion().via_height * goal.fingers
+    np.testing.assert_allclose(path.legs[1].points[0], via)
+    assert via[0] < goal.target[0]
+    assert via[2] > goal.target[2]
 
 
 def test_a_retreat_goes_away_from_the_surface_first() -> None:
