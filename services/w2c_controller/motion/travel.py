@@ -52,15 +52,19 @@ class Travel:
             return point, self.path.velocity() if self._keeps_up else np.zeros(3)
         return self._end_effectors.position(effector), self._end_effectors.velocity(effector)
 
-    def follow(self) -> bool:
-        """Advance by one tick while the end effector keeps up. Returns whether it is stuck."""
+    def follow(self, pace: float = 1.0) -> bool:
+        """Advance by one tick while the end effector keeps up. Returns whether it is stuck.
+
+        Args:
+            pace: As a share of the speed that the path was planned for.
+        """
         position = self._end_effectors.position(self._effector)
         target = self.path.position()
         self._keeps_up = math.dist(target.tolist(), position.tolist()) < self._lead
         if not self._keeps_up:
             self._end_effectors.targets[self._effector] = target
             return self._stall.step(position)
-        self.path.advance(self._dt)
+        self.path.advance(pace * self._dt)
         self._stall.reset()
         self._end_effectors.targets[self._effector] = self.path.position()
         return False

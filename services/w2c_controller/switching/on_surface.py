@@ -13,6 +13,13 @@ SETTLE_TIME = 0.3
 SETTLE_DISTANCE = 0.015
 CONFIRM_TIME = 0.2
 """How long a load must be measured [s]."""
+NEAR = 0.015
+"""Above the point from here on it comes down slowly [m]: surfaces are known to a centimetre."""
+SLOW = 0.3
+"""How slowly, as a share of the speed of a touch. What stops at once swings on: at 25 mm/s a hand
+hits with 50 N, and is off the surface again for 0.2 s."""
+PRESSING = 0.3
+"""How much of that is left where it feels all but the force of a touch."""
 
 
 class OnSurface(InAir):
@@ -29,8 +36,8 @@ class OnSurface(InAir):
             if self._elapsed > motion.stall_time + SETTLE_TIME:
                 self._give_up(unreachable=True)
             return
-        stuck = travel.follow()
         force = self.feelers.normal_force(k, measured)
+        stuck = travel.follow(self._pace(force / motion.touch_force))
         if force > motion.touch_force:
             goal = self._require_goal()
             self._retargeting.enable(k, frame_from_normal(goal.normal))
@@ -42,6 +49,18 @@ class OnSurface(InAir):
         elif travel.path.finished:
             depth = 100 * motion.overtravel
             self._give_up(f"no surface down to {depth:.0f} cm below the point: nothing to lean on")
+
+    def _pace(self, felt: float) -> float:
+        """Return the share of its speed at which an end effector comes down to its point.
+
+        Args:
+            felt: Share of the force that is a touch; what is no number counts as all of it.
+        """
+        goal, k = self._require_goal(), self._effector
+        height = float((self._end_effectors.position(k) - goal.target) @ goal.normal)
+        far = min(max((height - NEAR) / NEAR, 0.0), 1.0)
+        free = min(max(0.0, 1.0 - felt), 1.0)
+        return (SLOW + (1.0 - SLOW) * far) * (PRESSING + (1.0 - PRESSING) * free)
 
     def _load(self, measured: Measured) -> None:
         goal, k = self._require_goal(), self._effector

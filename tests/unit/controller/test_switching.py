@@ -52,6 +52,25 @@ def test_a_contact_is_enabled_at_a_measured_force_only(at_table: ContactWorld) -
     assert at_table.touched_at[0] > Motion().touch_force
 
 
+def test_a_hand_comes_down_slowly_near_the_surface_and_slower_where_it_feels_it(
+    at_table: ContactWorld,
+) -> None:
+    at_table.switching.place(make_goal(NEAR))
+    speeds: dict[bool, float] = {}
+    while not at_table.touched_at and len(at_table.phases) < 3:
+        at_table.run(DT)
+        if at_table.switching.phase == "touch":
+            height = at_table.end_effectors.position(RIGHT_HAND)[2] - TABLE - 0.05
+            near = height < 0.01
+            before = speeds.get(near, 0.0)
+            speeds[near] = max(before, at_table.end_effectors.speed(RIGHT_HAND))
+            last = at_table.end_effectors.speed(RIGHT_HAND)
+    top = Motion().touch_speed
+    assert speeds[False] > 0.6 * top
+    assert speeds[True] < 0.5 * top
+    assert last < 0.25 * top
+
+
 def test_nothing_to_lean_on_is_never_a_contact(in_air: ContactWorld) -> None:
     in_air.switching.place(make_goal(NEAR))
     assert in_air.run(30.0, "aborted") == "aborted"
