@@ -70,6 +70,8 @@ class WholeBody:
             feet=np.zeros((2, 6)), hands=np.zeros((2, 3)), torque=np.zeros(model.nj)
         )
         """The newest, without what the hands carry"""
+        self._far = (False, False)
+        """Hands that are away from their rest, as known since the last `give_way`"""
         self._gaze: Gaze | None = None
         self.end_effectors: EndEffectors
         """Targets of what is free; exist after `begin`."""
@@ -130,10 +132,11 @@ class WholeBody:
         return self.switching.supervise(self.measured)
 
     def give_way(self) -> None:
-        """Let what is free give way to the newest forces."""
+        """Let what is free give way to the newest forces, and note which hands are away."""
         retargeting = self.retargeting
         rotations, enabled = retargeting.kinematics.rotations, retargeting.state.enabled
         self._admittance.step(self.measured, rotations, enabled)
+        self._far = self._is_far(LEFT_HAND), self._is_far(RIGHT_HAND)
 
     def switch(self) -> list[Event]:
         """Advance goals by one tick; returns what happened to them."""
@@ -174,7 +177,7 @@ class WholeBody:
     def away(self) -> tuple[bool, bool]:
         """Return which hands lean, or are away from their rest: left, right."""
         _, _, left, right = self.retargeting.state.enabled
-        return left or self._is_far(LEFT_HAND), right or self._is_far(RIGHT_HAND)
+        return left or self._far[0], right or self._far[1]
 
     def _is_far(self, hand: int) -> bool:
         return (

@@ -18,20 +18,19 @@ JUMP = 5.0
 
 
 @compiled
-def first_jump(command: Vector, previous: Vector, largest_step: Vector) -> int:
-    """Return the first joint whose command (n,) is not finite, or is a jump; -1 = none."""
+def slow_down(command: Vector, previous: Vector, largest_step: Vector) -> int:
+    """Bring each joint of a command (n,) within (n,) of the last: it arrives some ticks later.
+
+    Returns:
+        The first joint whose command is not finite, or is a jump: then all stay; -1 = none.
+    """
     for i in range(command.shape[0]):
         if not abs(command[i] - previous[i]) <= JUMP * largest_step[i]:
             return i
-    return -1
-
-
-@compiled
-def slow_down(command: Vector, previous: Vector, largest_step: Vector) -> None:
-    """Bring each joint of a command (n,) within (n,) of the last: it arrives some ticks later."""
     for i in range(command.shape[0]):
         step = command[i] - previous[i]
         command[i] = previous[i] + min(max(step, -largest_step[i]), largest_step[i])
+    return -1
 
 
 class Restraint:
@@ -55,9 +54,8 @@ class Restraint:
             What is wrong with it, where it is no number or so far off that it must be a fault; it
             is not changed then.
         """
-        at = first_jump(command, previous, self._largest_step)
+        at = slow_down(command, previous, self._largest_step)
         if at < 0:
-            slow_down(command, previous, self._largest_step)
             return None
         name = self._names[at]
         if not np.isfinite(command).all():
