@@ -8,9 +8,6 @@ import numpy as np
 
 from w2c.messages import ChatMessage, CompleteRequest
 
-PREFIX_TOKENS = 600
-"""Of the constant messages, counted by the model that is measured; a prefix ends with the example
-that reaches it"""
 _MAX_TOKENS = 80
 
 
@@ -24,6 +21,8 @@ class Kind:
     schema: dict[str, Any]
     examples: tuple[str, ...]
     """Answers of the examples, in turn"""
+    numbered: bool = False
+    """The words carry their numbers, so that an answer can point at them"""
 
 
 def _closed(**properties: Any) -> dict[str, Any]:
@@ -58,6 +57,7 @@ KINDS = (
             '{"position":"absolute","objects":["4-5"]}',
             '{"position":"relative","objects":["2-3","6-6"]}',
         ),
+        numbered=True,
     ),
     Kind(
         "relative",
@@ -110,16 +110,19 @@ def utterances(rng: np.random.Generator) -> Iterator[str]:
 
 
 def prefix_of(
-    kind: Kind, count_tokens: Callable[[list[ChatMessage]], int], rng: np.random.Generator
+    kind: Kind,
+    tokens: int,
+    count_tokens: Callable[[list[ChatMessage]], int],
+    rng: np.random.Generator,
 ) -> list[ChatMessage]:
-    """Return the constant messages of a kind: its task, and examples up to `PREFIX_TOKENS`."""
+    """Return the constant messages of a kind: its task, and examples until there are `tokens`."""
     messages = [ChatMessage(role="system", content=kind.task)]
     for index, words in enumerate(utterances(rng)):
-        if count_tokens(messages) >= PREFIX_TOKENS:
+        if count_tokens(messages) >= tokens:
             break
         answer = kind.examples[index % len(kind.examples)]
         messages += [
-            ChatMessage(role="user", content=words),
+            _asked(kind, words),
             ChatMessage(role="assistant", content=answer),
         ]
     return messages
@@ -128,8 +131,14 @@ def prefix_of(
 def question(kind: Kind, prefix: list[ChatMessage], words: str) -> CompleteRequest:
     """Return the question about an utterance."""
     return CompleteRequest(
-        messages=[*prefix, ChatMessage(role="user", content=words)],
+        messages=[*prefix, _asked(kind, words)],
         schema=kind.schema,
         max_tokens=_MAX_TOKENS,
         constant_messages=len(prefix),
     )
+
+
+def _asked(kind: Kind, words: str) -> ChatMessage:
+    if kind.numbered:
+        words = " ".join(f"{word}{number}" for number, word in enumerate(words.split(), 1))
+    return ChatMessage(role="user", content=words)

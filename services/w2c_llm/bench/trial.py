@@ -107,7 +107,13 @@ class PlainModel:
 
 
 def compare(
-    path: Path, *, rounds: int, threads: int, seed: int, kinds: Sequence[Kind] = KINDS
+    path: Path,
+    *,
+    rounds: int,
+    threads: int,
+    seed: int,
+    kinds: Sequence[Kind] = KINDS,
+    prefix_tokens: int = 600,
 ) -> Comparison:
     """Ask each kind in turn, `rounds` times, both ways with the same model.
 
@@ -118,6 +124,7 @@ def compare(
             else the machine does; with more, wall time.
         seed: Of the sentences.
         kinds: What is asked.
+        prefix_tokens: Of the constant messages, counted by the model that is measured.
 
     Raises:
         ConfigError: there is no such file.
@@ -129,7 +136,9 @@ def compare(
     plain = PlainModel(path, threads)
     try:
         sentences = utterances(rng)
-        prefixes = {kind.name: prefix_of(kind, backend.count_tokens, rng) for kind in kinds}
+        prefixes = {
+            kind.name: prefix_of(kind, prefix_tokens, backend.count_tokens, rng) for kind in kinds
+        }
         backend.warm_up()
         plain.ask(question(kinds[0], _SHORT, "yes"), clock)
         first = [
