@@ -15,6 +15,7 @@ from w2c_sim_robot import talos
 
 _ROBOTS = Path("cmeel.prefix/share/example-robot-data/robots")
 _SOURCE = Path("talos_data/robots/talos_reduced.urdf")
+_SEMANTICS = Path("talos_data/srdf/talos.srdf")
 _PACKAGE = re.compile(r"package:/{2,3}example-robot-data/robots/")
 _PRETTY_ARM = {
     **{f"arm_{i}_collision.STL": f"arm_{i}.stl" for i in range(1, 7)},
@@ -38,6 +39,26 @@ def robots_directory(search_path: list[str] | None = None) -> Path:
     raise ConfigError(
         "the model of Talos is missing: no example-robot-data wheel on the Python path. "
         "Run: pip install -c constraints.txt -e '.[sim-robot]'"
+    )
+
+
+def overlapping_links(robots: Path | None = None) -> frozenset[frozenset[str]]:
+    """Return the pairs of links whose shapes always overlap, as the robot's maker says.
+
+    They are neighbours, or next to neighbours: their joints keep the true parts apart.
+
+    Raises:
+        ConfigError: the wheel is not installed, or has no list of such pairs.
+    """
+    source = (robots or robots_directory()) / _SEMANTICS
+    try:
+        rows = ElementTree.parse(source).getroot().findall("disable_collisions")  # noqa: S314
+    except (OSError, ElementTree.ParseError) as error:
+        raise ConfigError(f"which links of Talos overlap is not known: {error}") from error
+    return frozenset(
+        frozenset((row.get("link1", ""), row.get("link2", "")))
+        for row in rows
+        if row.get("reason") in ("Adjacent", "Default")
     )
 
 

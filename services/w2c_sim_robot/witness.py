@@ -34,6 +34,7 @@ from w2c_sim_robot.model import (
 )
 from w2c_sim_robot.scenes import scene as scenes
 from w2c_sim_robot.scenes.scene import Scene, SceneObject
+from w2c_sim_robot.urdf import overlapping_links
 
 FARTHEST = 20.0
 """Nothing is looked for beyond [m]."""
@@ -82,6 +83,7 @@ class Witness:
         self._names = names
         self._owners = [ROBOT if own else name for own, name in zip(robot, names, strict=True)]
         self._robot = robot
+        self._overlapping = overlapping_links()
         self._natural: dict[tuple[str, str], float] = {}
         self.pose(ready_configuration(model))
         self._natural = {
@@ -181,6 +183,7 @@ class Witness:
 
         The robot's shapes are convex hulls, some of which overlap in a natural posture: of two of
         its own links only what overlaps more than when it stands ready counts, and is the depth.
+        Links whose shapes always overlap, by the word of their maker, do not count.
         """
         mujoco.mj_collision(self._model, self._data)
         deepest: dict[tuple[str, str], float] = {}
@@ -189,6 +192,8 @@ class Witness:
         ):
             first, second = sorted((int(one), int(other)), key=lambda b: (not self._robot[b], b))
             pair = (self._names[first], self._names[second])
+            if frozenset(pair) in self._overlapping:
+                continue
             deepest[pair] = max(deepest.get(pair, 0.0), -float(distance))
         found = [
             Contact(*pair, depth - self._natural.get(pair, 0.0)) for pair, depth in deepest.items()

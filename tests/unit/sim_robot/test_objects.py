@@ -194,3 +194,15 @@ def _agreement(mesh: Mesh) -> float:
     corners = mesh.vertices[mesh.faces]
     winding = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return float(np.mean(np.einsum("ij,ij->i", winding, mesh.normals[mesh.faces].sum(axis=1)) > 0))
+
+
+def test_a_plate_is_hollow_for_physics_too(shapes: dict[str, tuple[Size, Shape]]) -> None:
+    """A hand that stops before the middle of a plate must not touch air."""
+    size, shape = shapes["plate"]
+    radius, height = size[1] / 2, size[2]
+    for collider in shape.colliders:
+        away = float(np.hypot(*collider.position[:2]))
+        if away < 0.6 * radius:
+            assert collider.position[2] + collider.size[-1] <= 0.32 * height
+        else:
+            assert away - collider.size[0] > 0.7 * radius

@@ -69,6 +69,14 @@ def test_an_arm_through_the_trunk_is_a_contact_of_the_robot_with_itself(witness:
     assert own[0].depth > 0.005
 
 
+def test_neighbours_whose_shapes_always_overlap_do_not_meet(witness: Witness) -> None:
+    """A robot that bends its hips far: hip and thigh are convex hulls around hollow parts."""
+    witness.pose(bent(witness, leg_left_3_joint=-1.8, leg_right_3_joint=-1.8))
+    pairs = {frozenset((c.first, c.second)) for c in witness.contacts()}
+    assert frozenset(("leg_left_1_link", "leg_left_3_link")) not in pairs
+    assert frozenset(("leg_right_1_link", "leg_right_3_link")) not in pairs
+
+
 def test_a_hand_in_the_table_is_a_contact(witness: Witness) -> None:
     position = ready_configuration(witness.model)
     base = witness.model.joint("base").qposadr[0]

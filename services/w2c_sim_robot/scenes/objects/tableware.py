@@ -107,7 +107,17 @@ def plate(size: Size, rng: np.random.Generator) -> Shape:
             ),
             Part(lathe(ring).moved((0, 0, 8e-4)), Surface("accent", None, 0.8)),
         ),
-        (Collider("cylinder", (0.95 * r, 0.4 * z), (0, 0, 0.4 * z)),),
+        # Hollow, as it is seen: a disc, and a ring of balls for the rim.
+        (Collider("cylinder", (0.68 * r, 0.15 * z), (0, 0, 0.15 * z)), *_rim(r, z)),
+    )
+
+
+def _rim(r: float, z: float) -> tuple[Collider, ...]:
+    """Return a ring of balls as the rim of a plate of this radius and height [m]."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+    return tuple(
+        Collider("sphere", (0.2 * z,), (0.84 * r * np.cos(a), 0.84 * r * np.sin(a), 0.62 * z))
+        for a in angles.tolist()
     )
 
 
