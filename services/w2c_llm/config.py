@@ -37,8 +37,9 @@ class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     """Base address of the server."""
     openai_key_file: str = ""
     """File with the key; empty: the environment variable OPENAI_API_KEY; else none is sent."""
-    openai_schema: Literal["json_schema", "json_object", "none"] = "json_schema"
-    """How the server is asked for JSON: with the schema, only for some JSON, or in words alone."""
+    openai_schema: Literal["json_schema", "json_object", "gbnf", "none"] = "json_schema"
+    """How the server is asked for JSON: with the schema, only for some JSON, with a grammar (which
+    llama-server takes), or in words alone."""
     openai_sampling: bool = True
     """Send temperature and seed; off for models that refuse them."""
     openai_token_limit: Literal["max_tokens", "max_completion_tokens"] = "max_tokens"  # noqa: S105

@@ -13,15 +13,16 @@ from typing import Any, Literal
 import httpx
 import msgspec
 
-from w2c.errors import DeadlineError, ModelError, RefusedError
+from w2c.errors import ConfigError, DeadlineError, ModelError, RefusedError
 from w2c.messages import ChatMessage
 from w2c_llm.backend import Budget, Capabilities, Generation, JsonSchema, Sampling, Scores, Usage
+from w2c_llm.gbnf import grammar_of
 from w2c_llm.openai_wire import Reply, ReplyChoice, TokenCounts, extract_json
 
 _LOG = logging.getLogger("w2c.llm.openai")
 _ATTEMPTS = 4
 _FIRST_PAUSE_S = 0.5
-_LONGEST_PAUSE_S = 8.0
+_LONGEST_PAUSE_S = 30.0
 _RETRIED = {408, 409, 425, 429, 500, 502, 503, 504}
 _MAX_REPLY_BYTES = 4_000_000
 _IMPOSSIBLE = -30.0
@@ -34,7 +35,7 @@ class OpenAiOptions:
 
     url: str
     model: str
-    schema_mode: Literal["json_schema", "json_object", "none"] = "json_schema"
+    schema_mode: Literal["json_schema", "json_object", "gbnf", "none"] = "json_schema"
     sampling: bool = True
     token_limit: Literal["max_tokens", "max_completion_tokens"] = "max_tokens"  # noqa: S105
     logprobs: bool = False
@@ -57,11 +58,15 @@ class OpenAiBackend:
             options: The server and what it understands.
             key: Sent as bearer token; empty: none is sent. Kept out of logs and errors.
             pause: Waits some seconds between attempts; tests pass their own.
+
+        Raises:
+            ConfigError: the address of the server is none.
         """
         self._options = options
         self._closed = threading.Event()
         self._pause = pause or (lambda seconds: void(self._closed.wait(seconds)))
         headers = {"Authorization": f"Bearer {key}"} if key else {}
+        check_address(options.url)
         self._client = httpx.Client(base_url=options.url.rstrip("/") + "/", headers=headers)
 
     @property
@@ -165,6 +170,8 @@ class OpenAiBackend:
             return {}
         if self._options.schema_mode == "json_object":
             return {"response_format": {"type": "json_object"}}
+        if self._options.schema_mode == "gbnf":
+            return {"grammar": grammar_of(schema)}
         named = {"name": "answer", "schema": schema, "strict": True}
         return {"response_format": {"type": "json_schema", "json_schema": named}}
 
@@ -176,60 +183,81 @@ class OpenAiBackend:
             DeadlineError: the budget is spent.
             ModelError: the server does not answer, or not with a chat completion.
         """
-        reason = ""
+        reason, asked_for = "", 0.0
         for attempt in range(_ATTEMPTS):
             budget.check()
             if attempt:
-                wait = min(
-                    _FIRST_PAUSE_S * 2 ** (attempt - 1), _LONGEST_PAUSE_S, budget.remaining_s()
-                )
+                wait = _FIRST_PAUSE_S * 2 ** (attempt - 1)
+                wait = min(max(wait, asked_for), _LONGEST_PAUSE_S, budget.remaining_s())
                 _LOG.warning("server asked again", extra={"reason": reason, "pause_s": wait})
                 self._pause(wait)
                 budget.check()
             try:
-                response = self._client.post(
+                with self._client.stream(
+                    "POST",
                     "chat/completions",
                     json={"model": self._options.model, **body},
                     timeout=max(budget.remaining_s(), 0.001),
-                )
+                ) as response:
+                    if response.status_code not in _RETRIED:
+                        return self._read(response.status_code, _body(response, budget))
+                    reason, asked_for = f"status {response.status_code}", _retry_after(response)
             except httpx.TimeoutException:
                 raise DeadlineError(
                     f"{self._options.url} did not answer in time; check the server or its load"
                 ) from None
             except httpx.HTTPError as error:
-                reason = f"{type(error).__name__}"
-                continue
-            if response.status_code not in _RETRIED:
-                return self._read(response)
-            reason = f"status {response.status_code}"
+                reason, asked_for = f"{type(error).__name__}", 0.0
         raise ModelError(
             f"{self._options.url} failed {_ATTEMPTS} times, last: {reason}; is the server up?"
         )
 
-    def _read(self, response: httpx.Response) -> Reply:
-        if response.status_code in (401, 403):
+    def _read(self, status: int, content: bytes) -> Reply:
+        if status in (401, 403):
             raise ModelError(
-                f"{self._options.url} refuses the key (status {response.status_code}); "
-                "check --openai-key-file"
+                f"{self._options.url} refuses the key (status {status}); check --openai-key-file"
             )
-        if response.status_code != 200:
+        if status != 200:
             # The body may repeat the request's headers: it is not quoted beyond the server's own
             # message.
             raise RefusedError(
-                f"{self._options.url} refuses the request (status {response.status_code}); "
+                f"{self._options.url} refuses the request (status {status}); "
                 "check --model, --openai-url, --openai-schema and --openai-sampling"
             )
-        if len(response.content) > _MAX_REPLY_BYTES:
-            raise ModelError(
-                f"the server sent {len(response.content)} bytes, limit {_MAX_REPLY_BYTES}"
-            )
         try:
-            reply = msgspec.json.decode(response.content, type=Reply)
+            reply = msgspec.json.decode(content, type=Reply)
         except msgspec.MsgspecError as error:
             raise ModelError(f"{self._options.url} sent no chat completion: {error}") from error
         if not reply.choices:
             raise ModelError(f"{self._options.url} sent a chat completion without choices")
         return reply
+
+
+def check_address(url: str) -> None:
+    """Raise ConfigError for what is no address of a web server."""
+    try:
+        address = httpx.URL(url)
+    except httpx.InvalidURL as error:
+        raise ConfigError(f"--openai-url '{url}': {error}") from error
+    if address.scheme not in ("http", "https") or not address.host:
+        raise ConfigError(f"--openai-url '{url}' must be like http://127.0.0.1:8080/v1")
+
+
+def _body(response: httpx.Response, budget: Budget) -> bytes:
+    """Return a body that comes in time and is not too long, however slowly it drips."""
+    body = bytearray()
+    for part in response.iter_bytes():
+        budget.check()
+        body += part
+        if len(body) > _MAX_REPLY_BYTES:
+            raise ModelError(f"the server sent more than {_MAX_REPLY_BYTES} bytes")
+    return bytes(body)
+
+
+def _retry_after(response: httpx.Response) -> float:
+    """Return how long a busy server asks to wait [s]; 0 where it does not say so in seconds."""
+    text = response.headers.get("Retry-After", "")
+    return float(text) if text.isascii() and text.isdigit() and len(text) < 6 else 0.0
 
 
 def void(_: object) -> None:

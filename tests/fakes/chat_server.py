@@ -2,6 +2,7 @@
 
 import json
 import threading
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any
@@ -10,8 +11,8 @@ from typing import Any
 class ChatServer:
     """Replies in order; the last reply is repeated. Remembers requests and their keys."""
 
-    def __init__(self, *replies: tuple[int, Any]) -> None:
-        """Prepare (status, body) replies; a body that is bytes is sent as it is."""
+    def __init__(self, *replies: tuple[int, Any] | tuple[int, Any, dict[str, str]]) -> None:
+        """Prepare (status, body[, headers]) replies; a body that is bytes is sent as it is."""
         self._replies = list(replies)
         self._lock = threading.Lock()
         self.requests: list[dict[str, Any]] = []
@@ -22,12 +23,15 @@ class ChatServer:
             def do_POST(self) -> None:
                 length = int(self.headers["Content-Length"])
                 fake._remember(json.loads(self.rfile.read(length)), self.headers["Authorization"])
-                status, body = fake._next()
+                status, body, *headers = fake._next()
                 payload = body if isinstance(body, bytes) else json.dumps(body).encode()
                 self.send_response(status)
                 self.send_header("Content-Length", str(len(payload)))
+                for name, value in (headers[0] if headers else {}).items():
+                    self.send_header(name, value)
                 self.end_headers()
-                self.wfile.write(payload)
+                with suppress(ConnectionError):  # a client that has read enough
+                    self.wfile.write(payload)
 
             def log_message(self, format: str, *args: object) -> None:
                 """Say nothing."""
@@ -60,7 +64,7 @@ class ChatServer:
             self.requests.append(request)
             self.authorizations.append(authorization)
 
-    def _next(self) -> tuple[int, Any]:
+    def _next(self) -> tuple[Any, ...]:
         with self._lock:
             return self._replies.pop(0) if len(self._replies) > 1 else self._replies[0]
 

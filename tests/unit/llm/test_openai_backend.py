@@ -3,9 +3,11 @@
 import json
 import logging
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from fakes.chat_server import ChatServer, completion
@@ -101,6 +103,60 @@ def test_pauses_grow_and_never_outlast_the_budget() -> None:
             complete(backend, REQUEST, Budget(clock, 2.0))
         backend.close()
     assert pauses == [0.5, 1.0, 0.5]
+
+
+def test_a_server_that_says_when_to_come_back_is_not_asked_earlier() -> None:
+    pauses = list[float]()
+    busy: tuple[int, Any, dict[str, str]] = (429, {}, {"Retry-After": "7"})
+    date = {"Retry-After": "Wed, 21 Oct 2026 07:28:00 GMT"}
+    vague: tuple[int, Any, dict[str, str]] = (503, {}, date)
+    with ChatServer(busy, vague, (200, completion('{"n": 1}'))) as server:
+        backend = OpenAiBackend(OpenAiOptions(server.url, "m"), KEY, pause=pauses.append)
+        assert complete(backend, REQUEST, minute()).value == {"n": 1}
+        backend.close()
+    assert pauses == [7.0, 1.0]
+
+
+def test_a_reply_that_never_ends_is_cut_off() -> None:
+    with ChatServer((200, b'{"choices": [' + b" " * 5_000_000)) as server:
+        backend = client(server)
+        with pytest.raises(ModelError, match="more than 4000000 bytes"):
+            complete(backend, REQUEST, minute())
+        backend.close()
+
+
+def test_a_reply_that_drips_ends_with_the_budget() -> None:
+    """Each byte is in time, all of them are not."""
+    clock = StepClock()
+
+    class Dripping(httpx.SyncByteStream):
+        def __iter__(self) -> Iterator[bytes]:
+            for _ in range(1000):
+                clock.set(clock.now_ns() + 100_000_000)
+                yield b" "
+
+    transport = httpx.MockTransport(lambda _: httpx.Response(200, stream=Dripping()))
+    backend = OpenAiBackend(OpenAiOptions("http://somewhere/v1", "m"), KEY)
+    backend._client = httpx.Client(base_url="http://somewhere/v1/", transport=transport)
+    with pytest.raises(DeadlineError, match="2 s"):
+        complete(backend, REQUEST, Budget(clock, 2.0))
+    assert clock.now_ns() < 3_000_000_000
+    backend.close()
+
+
+@pytest.mark.parametrize("url", ["localhost:8080", "ftp://x/v1", "http://", "http://a:b", ""])
+def test_an_address_that_is_none_is_a_config_error(url: str) -> None:
+    with pytest.raises(ConfigError, match="--openai-url"):
+        OpenAiBackend(OpenAiOptions(url, "m"), KEY)
+
+
+def test_a_server_that_takes_grammars_gets_the_grammar_of_the_schema() -> None:
+    with ChatServer((200, completion('{"n": 3}'))) as server:
+        backend = client(server, schema_mode="gbnf")
+        assert complete(backend, REQUEST, minute()).value == {"n": 3}
+        backend.close()
+    assert server.requests[0]["grammar"].startswith("root ::= ")
+    assert "response_format" not in server.requests[0]
 
 
 def test_invalid_json_twice_is_a_model_error_and_the_model_saw_the_reason() -> None:
