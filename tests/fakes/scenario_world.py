@@ -22,6 +22,7 @@ from w2c.messages import (
     Box,
     CameraFrame,
     CameraView,
+    CaptureRequest,
     ConfirmRequest,
     ControllerStatus,
     GoalEvent,
@@ -168,6 +169,7 @@ class FakeProduct:
         dialogue.serve(topics.SAY, self._say)
         dialogue.serve(topics.CONFIRM, self._confirm)
         self._buses["camera"].serve(topics.PICTURE, self._picture)
+        self._buses["camera"].serve(topics.CAPTURE, self._capture)
         self._thread = threading.Thread(target=self._live, daemon=True)
 
     def __enter__(self) -> "FakeProduct":
@@ -198,7 +200,7 @@ class FakeProduct:
             if self._stamp_ns % 1_000_000_000 == 0:
                 self._look()
 
-    def _look(self) -> None:
+    def _look(self) -> CameraFrame:
         frame = CameraFrame(
             stamp_ns=self._stamp_ns,
             frame="camera",
@@ -230,6 +232,10 @@ class FakeProduct:
         self._buses["camera"].publish(topics.CAMERA_FRAME, frame)
         self._buses["perception"].publish(topics.CAMERA_VIEW, view)
         self._buses["controller"].publish(topics.CONTROLLER_STATUS, status)
+        return frame
+
+    def _capture(self, _request: CaptureRequest, _context: CallContext) -> CameraFrame:
+        return self._look()
 
     def _say(self, request: SayRequest, _context: CallContext) -> Turn:
         words = request.text.lower()

@@ -1,7 +1,8 @@
 """Plays a scenario as a person would: speaks, looks at the point, corrects, confirms, watches.
 
 What is said comes from the scripted operator, who sees the picture; what is written down beside it
-comes from the truth about that picture.
+comes from the truth about that picture. Pictures are taken when the operator looks, before each
+prompt: the robot stands still from then until a target is confirmed.
 """
 
 import time
@@ -14,6 +15,7 @@ from w2c.errors import CallError
 from w2c.messages import (
     Box,
     CameraFrame,
+    CaptureRequest,
     ConfirmRequest,
     GoalEvent,
     PictureRequest,
@@ -35,11 +37,11 @@ from w2c_evaluation.scenarios.truth_log import TruthLog
 from w2c_evaluation.scenarios.wording import Saying
 
 STAND_PATIENCE_S = 180.0
+PLACED_PATIENCE_S = 20.0
 MOTION_PATIENCE_S = 300.0
 """Wall time: a lock step on a busy machine takes five times as long as the motion"""
 SETTLE_S = {"contact": 1.5, "reach": 3.0}
 """Robot time that is watched after the end was reported [s]"""
-KEPT_FRAMES = 40
 
 
 class Conversation:
@@ -58,7 +60,7 @@ class Conversation:
         """Begin to listen.
 
         Args:
-            bus: Of the evaluation.
+            bus: Of an operator.
             log: Of what is true.
             book: Which objects phrases mean.
             film: Takes the pictures.
@@ -74,8 +76,7 @@ class Conversation:
         self._events = bus.queue(topics.GOAL_EVENT)
         self._status = bus.latest(topics.CONTROLLER_STATUS)
         self._views = bus.latest(topics.CAMERA_VIEW)
-        self._frames = bus.queue(topics.CAMERA_FRAME, size=KEPT_FRAMES)
-        self._pictures: dict[int, CameraFrame] = {}
+        self._frame: CameraFrame | None = None
         self.played = Played()
 
     def play(self, scenario: Scenario) -> None:
@@ -94,14 +95,15 @@ class Conversation:
         while time.monotonic() < deadline:
             status = self._status.wait(0.5)
             standing = status is not None and status.message.phase == "hold"
-            if standing and self._views.last() and self._log.newest_ns >= 0:
+            if standing and self._log.newest_ns >= 0:
                 return
-        raise ScenarioError("the robot does not stand, or the camera gives no picture")
+        raise ScenarioError("the robot does not stand")
 
     def _perform(self, prompt: Prompt, run: PromptRun) -> None:
         """Say a prompt, bring its point to the place, confirm it, and watch what comes of it."""
         place = prompt.place.drawn(self._rng)
-        with self._log.moment(self._newest_frame().stamp_ns) as witness:
+        frame = self._look_anew()
+        with self._log.moment(frame.stamp_ns) as witness:
             run.wanted = find_place(witness, place)
         if run.wanted is None:
             run.problem = f"the place ({place.description}) is hidden"
@@ -110,7 +112,7 @@ class Conversation:
         target = self._say(prompt, run, None)
         while target is not None:
             sight = self._look(target, run.wanted)
-            self._film.show(self._picture_of(target).jpeg, target, sight.wanted, run.turns[-1].text)
+            self._film.show(frame.jpeg, target, sight.wanted, run.turns[-1].text)
             answer = speaker.answer(sight)
             if isinstance(answer, GiveUp):
                 run.problem = answer.reason
@@ -136,10 +138,9 @@ class Conversation:
         if self._words is not None:
             self._words.expect(said)
         # Who corrects or confirms looks at the picture that the target is shown in.
-        stamp_ns = self._newest_frame().stamp_ns
         request = SayRequest(
             text=said.text,
-            frame_stamp_ns=stamp_ns,
+            frame_stamp_ns=-1 if self._frame is None else self._frame.stamp_ns,
             target_id="" if target is None else target.target_id,
         )
         turn = self._bus.call(topics.SAY, request).message
@@ -250,22 +251,19 @@ class Conversation:
             if motion.ended_ns < 0:
                 motion.ended_ns = event.stamp_ns
 
-    def _newest_frame(self) -> CameraFrame:
-        deadline = time.monotonic() + STAND_PATIENCE_S
+    def _look_anew(self) -> CameraFrame:
+        """Take a picture, and return it when it is known where it was taken from."""
+        try:
+            self._frame = self._bus.call(topics.CAPTURE, CaptureRequest()).message
+        except CallError as error:
+            raise ScenarioError(f"the camera gives no picture: {error}") from error
+        deadline = time.monotonic() + PLACED_PATIENCE_S
         while time.monotonic() < deadline:
-            wait_s = 0.0 if self._pictures else 0.5
-            received = self._frames.receive(wait_s)
-            if received is not None:
-                self._pictures[received.message.stamp_ns] = received.message
-                while len(self._pictures) > KEPT_FRAMES:
-                    del self._pictures[min(self._pictures)]
-            elif self._pictures:
-                return self._pictures[max(self._pictures)]
-        raise ScenarioError("the camera gives no picture")
-
-    def _picture_of(self, target: Target) -> CameraFrame:
-        newest = self._newest_frame()
-        return self._pictures.get(target.frame_stamp_ns, newest)
+            view = self._views.last()
+            if view is not None and view.message.stamp_ns >= self._frame.stamp_ns:
+                return self._frame
+            self._views.wait(0.2)
+        raise ScenarioError("nobody tells where the picture was taken from: is perception running?")
 
     def _outside(self) -> bytes:
         """Return a picture of the robot from its side; b"" where none comes."""

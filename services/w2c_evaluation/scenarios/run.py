@@ -130,13 +130,15 @@ def _play(
     witness = library("witness")(scene)
     objects = {item.name: item.phrases() for item in witness.objects}
     book = PhraseBook(objects, scenario.phrases())
-    flags = ["--lock-step", "--scene", str(scene), "--seed", str(seed), "--without", "console"]
+    flags = ["--lock-step", "--scene", str(scene), "--seed", str(seed)]
+    # Nobody looks while the robot moves: the camera draws when the operator looks.
+    flags += ["--with-flags", "camera:--rate 0", "--without", "console"]
     flags += ["grounding"] if options.boxes == "truth" else []
     flags += ["llm"] if options.words == "scripted" else []
     with ExitStack() as stack:
         system = stack.enter_context(running_system(options.directory, flags, quiet=True))
-        bus = _connect(stack, system, "evaluation")
-        truth = stack.enter_context(TruthLog(bus, witness))
+        truth = stack.enter_context(TruthLog(_connect(stack, system, "evaluation"), witness))
+        bus = _connect(stack, system, "operator")
         words = ScriptedWords(_connect(stack, system, "llm")) if options.words != "model" else None
         if options.boxes == "truth":
             TrueGrounding(_connect(stack, system, "grounding"), truth, book)

@@ -36,9 +36,9 @@ def play(directory: Path, **product: object) -> tuple[RunResult, Played]:
     """Play scenario (a) with fakes."""
     hub = InProcessHub()
     with FakeProduct(hub, **product):  # type: ignore[arg-type]
-        bus = hub.connect("evaluation")
+        bus = hub.connect("operator")
         witness = FlatWitness()
-        with TruthLog(bus, witness) as log:
+        with TruthLog(hub.connect("evaluation"), witness) as log:
             film = Film(directory / "pictures")
             conversation = Conversation(bus, log, BOOK, film, rng=np.random.default_rng(2))
             conversation.play(SCENARIO)
