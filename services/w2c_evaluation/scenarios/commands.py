@@ -2,6 +2,8 @@
 
 import logging
 import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,7 +13,7 @@ from w2c.config import parse
 from w2c.logs import configure_logs
 from w2c_evaluation.pool import ResultFile
 from w2c_evaluation.results import make_results, origin, write_results
-from w2c_evaluation.scenarios.experiments import EXPERIMENTS, find_experiment
+from w2c_evaluation.scenarios.experiments import EXPERIMENTS, Experiment, find_experiment
 from w2c_evaluation.scenarios.film import make_strip
 from w2c_evaluation.scenarios.record import RunResult
 from w2c_evaluation.scenarios.report import by_case, describe, format_table, make_rows
@@ -34,6 +36,8 @@ class ScenariosConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Who finds things in pictures: the grounding service, or the simulator's truth."""
     words: Literal["model", "scripted"] = "model"
     """Who understands words: the llm service, or a script that knows what is meant."""
+    jobs: Annotated[int, msgspec.Meta(ge=1, le=64)] = 1
+    """Runs at a time; each takes about one and a half cores."""
     keep: bool = False
     """Keep the recordings of successes, too: 30 to 100 MB each."""
     run_directory: str = ""
@@ -68,17 +72,37 @@ def evaluate(arguments: list[str] | None = None) -> int:
         for seed in range(config.seed, config.seed + config.seeds)
         for experiment in chosen
     ]
-    for experiment, seed in wanted:
-        if (experiment.name, seed) in done:
-            continue
-        run_directory = directory / f"{experiment.name}-{seed}"
-        options = RunOptions(run_directory, config.boxes, config.words, config.keep)
-        result = run_scenario(experiment, seed, options)
+    missing = [
+        (experiment, seed) for experiment, seed in wanted if (experiment.name, seed) not in done
+    ]
+    for result in _run_all(missing, config, directory):
         file.add(result)
-        done[experiment.name, seed] = result
+        done[result.scenario, result.seed] = result
         print(describe(result), flush=True)
     results = [done[experiment.name, seed] for experiment, seed in wanted]
     return _report(config, directory, results)
+
+
+def _run_all(
+    runs: list[tuple[Experiment, int]], config: ScenariosConfig, directory: Path
+) -> Iterator[RunResult]:
+    """Yield the results of runs as they end, `jobs` of them at a time."""
+
+    def run(experiment: Experiment, seed: int) -> RunResult:
+        run_directory = directory / f"{experiment.name}-{seed}"
+        options = RunOptions(run_directory, config.boxes, config.words, config.keep)
+        return run_scenario(experiment, seed, options)
+
+    if config.jobs == 1:
+        yield from (run(*one) for one in runs)
+        return
+    # Threads: all the work is in the processes of the systems.
+    with ThreadPoolExecutor(config.jobs) as pool:
+        running = [pool.submit(run, *one) for one in runs]
+        try:
+            yield from (future.result() for future in as_completed(running))
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def _report(config: ScenariosConfig, directory: Path, results: list[RunResult]) -> int:

@@ -1,6 +1,7 @@
 """A conversation with a product of fakes; the stand-ins; the command without a system."""
 
 import json
+import threading
 from pathlib import Path
 
 import cv2
@@ -196,6 +197,22 @@ def test_a_study_goes_on_where_it_was(
     assert "boxes from truth" in capsys.readouterr().out
     with pytest.raises(ConfigError, match="--resume"):
         commands.evaluate(["--scenarios", "a", "--run-directory", str(tmp_path), "--resume"])
+
+
+def test_runs_go_side_by_side_where_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    together = threading.Barrier(2, timeout=10.0)
+
+    def run(experiment: Experiment, seed: int, _options: RunOptions) -> RunResult:
+        together.wait()  # broken, an error, where the other one does not come
+        scenario = Scenario(experiment.name, ())
+        return conclude(scenario, seed, Played(system_problem="nothing runs here"), None)
+
+    monkeypatch.setattr(commands, "run_scenario", run)
+    monkeypatch.setattr(commands, "configure_logs", lambda *_: None)
+    flags = ["--scenarios", "a", "--seeds", "4", "--jobs", "2", "--run-directory", str(tmp_path)]
+    assert commands.evaluate(flags) == 1
+    lines = (tmp_path / "runs.jsonl").read_text().splitlines()
+    assert sorted(json.loads(line)["seed"] for line in lines[-4:]) == [0, 1, 2, 3]
 
 
 def test_an_unknown_scenario_names_the_known_ones() -> None:
