@@ -103,6 +103,8 @@ class PushResult(msgspec.Struct, frozen=True, kw_only=True):
     """Farthest that the hand slid along the surface since it was loaded, rolling apart [m]"""
     slip_seconds: float
     """From the beginning of a slip to its report [s]; -1: no slip, -2: no report"""
+    creep_seconds: float = -1.0
+    """From the beginning of a slow slide to a report [s]; -1: none, -2: no report"""
     answer: str
     """What the controller said to a slip"""
     detail: str

@@ -37,6 +37,12 @@ def _slip_rows(name: str, trials: Sequence[PushResult]) -> list[dict[str, Any]]:
         row(name, "slipped", [float(len(slipped))], "count", n=n),
         row(name, "slips_found", [float(len(found))], "count", n=len(slipped)),
         row(name, "slip_found_after", found, "s"),
+        row(
+            name,
+            "creep_found_after",
+            [r.creep_seconds for r in trials if r.creep_seconds >= 0],
+            "s",
+        ),
     ]
 
 
@@ -44,8 +50,8 @@ def format_table(results: Sequence[PushResult]) -> str:
     """Return a Markdown table of the cases, medians over trials."""
     lines = [
         "| case | n | falls | loaded | mean abs [N] | rms [N] | steady state [N] | slip [mm] "
-        "| found after [s] |",
-        "|" + "---|" * 9,
+        "| found after [s] | creep found after [s] |",
+        "|" + "---|" * 10,
     ]
     for name in dict.fromkeys(result.case.name for result in results):
         trials = [result for result in results if result.case.name == name]
@@ -54,12 +60,14 @@ def format_table(results: Sequence[PushResult]) -> str:
             for metric in ("mean_abs_error", "rms_error", "steady_error")
         ]
         found = [r.slip_seconds for r in trials if r.slip_seconds >= 0.0]
+        crept = [r.creep_seconds for r in trials if r.creep_seconds >= 0.0]
         lines.append(
             f"| {name} | {len(trials)} | {sum(r.fell for r in trials)} "
             f"| {sum(r.loaded for r in trials)} | "
             + " | ".join(f"{value:.1f}" for value in numbers)
             + f" | {1e3 * max(r.slip for r in trials):.1f} "
-            + f"| {f'{max(found):.2f}' if found else '-'} |"
+            + f"| {f'{max(found):.2f}' if found else '-'} "
+            + f"| {f'{max(crept):.2f}' if crept else '-'} |"
         )
     return "\n".join(lines)
 

@@ -43,6 +43,13 @@ SLIP_SAMPLES = 25
 """In which a slip must come that far: 0.5 s."""
 LEAST_SLIP = 0.0025
 """What stops before is a jerk, and is not told [m]."""
+CREEPING = 8e-4
+"""What is faster on average creeps; contacts of the simulator are soft, and creep with half of it
+where they hold [m/s]."""
+CREEP_SAMPLES = 50
+"""Of that average: 1 s."""
+LEAST_CREEP = 0.004
+"""What creeps less far without a report is none [m]."""
 CARRIES = 25.0
 """All through this time; a hand hops about at the touch [N]."""
 
@@ -151,6 +158,7 @@ class Push:
         errors = measured - wanted
         settled = round(SETTLED_S / (SAMPLE_TICKS * self._period_s))
         slip, slip_seconds = self._slip(begin)
+        creep_seconds = self._creep(begin)
         start = record.times[0] if record.times else 0.0
         events = [f"{event.state} {event.reason}".strip() for event in self._loop.events]
         return PushResult(
@@ -163,6 +171,7 @@ class Push:
             steady_error=float(errors[-settled:].mean()) if errors.size else float("nan"),
             slip=slip,
             slip_seconds=slip_seconds,
+            creep_seconds=creep_seconds,
             answer=self._answer,
             detail="; ".join(events[-3:]) or outcome,
             times=[round(time - start, 3) for time in record.times],
@@ -187,6 +196,43 @@ class Push:
             return farthest, -2.0
         began = self._record.times[begin + sliding]
         return farthest, max(self._told_s - began, 0.0)
+
+    def _creep(self, begin: int) -> float:
+        """Return how long a slow slide went on before its report [s]; -1: none, -2: no report.
+
+        It began where the hand was at rest last.
+        """
+        velocities = np.array(self._record.sliding[begin:])
+        if len(velocities) < CREEP_SAMPLES:
+            return -1.0
+        times, sample_s = self._record.times[begin:], SAMPLE_TICKS * self._period_s
+        slides = slow_slides(velocities, np.array(self._record.measured[begin:]))
+        if self._told_s < 0.0:
+            ways = [
+                float(np.linalg.norm(sample_s * velocities[first : last + 1].sum(axis=0)))
+                for first, last in slides
+            ]
+            return -2.0 if max(ways, default=0.0) > LEAST_CREEP else -1.0
+        for first, last in slides:
+            if times[first] <= self._told_s <= times[last] + sample_s:
+                return float(self._told_s - times[first])
+        return -1.0
+
+
+def slow_slides(velocities: Array, forces: Array) -> list[tuple[int, int]]:
+    """Return the first and the last sample of each slide that went on for a second or longer.
+
+    Args:
+        velocities: (n, 3) of the point that touches, along the surface [m/s].
+        forces: (n,) along the normal [N].
+    """
+    windows = np.lib.stride_tricks.sliding_window_view
+    speeds = np.linalg.norm(windows(velocities, CREEP_SAMPLES, axis=0).mean(axis=-1), axis=1)
+    creeps = (speeds > CREEPING) & (windows(forces, CREEP_SAMPLES).min(axis=1) > CARRIES)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], creeps.astype(np.int8), [0]])))
+    return [
+        (int(first), int(end) + CREEP_SAMPLES - 2) for first, end in edges.reshape(-1, 2).tolist()
+    ]
 
 
 def first_slip(velocities: Array, forces: Array, period_s: float) -> int:

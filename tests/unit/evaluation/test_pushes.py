@@ -102,6 +102,36 @@ def test_a_hand_that_creeps_does_not_slip() -> None:
     assert slide([0.01] * 14, told=-1.0) == pytest.approx((0.002, -1.0))
 
 
+def crept(speeds: list[float], told: float) -> float:
+    """Return the time from the beginning of a made-up creep to its report."""
+    push = object.__new__(Push)
+    push._told_s = told
+    push._period_s = 0.002
+    push._record = push_trial.Record()
+    for k, speed in enumerate(speeds):
+        push._record.times.append(0.02 * k)
+        push._record.measured.append(50.0)
+        push._record.sliding.append(np.array([speed, 0.0, 0.0]))
+    return push._creep(0)
+
+
+def test_creep_is_timed_from_where_the_hand_was_at_rest_last() -> None:
+    rest, creep = [0.0] * 100, [0.0016] * 200
+    # A window of a second whose second half creeps with 1.6 mm/s is the first to be fast enough.
+    assert crept(rest + creep, told=5.0) == pytest.approx(5.0 - 0.02 * 76, abs=0.03)
+    assert crept(creep + rest + creep, told=8.0) == pytest.approx(8.0 - 0.02 * 276, abs=0.03)
+
+
+def test_what_holds_in_the_simulator_does_not_creep() -> None:
+    assert crept([0.0004] * 600, told=-1.0) == -1.0
+    assert crept([0.0004] * 600, told=5.0) == -1.0
+
+
+def test_creep_that_nobody_tells_of_is_known_as_such() -> None:
+    assert crept([0.001] * 300, told=-1.0) == -2.0
+    assert crept([0.001] * 100 + [0.0] * 100, told=-1.0) == -1.0
+
+
 def test_a_slip_that_nobody_tells_of_is_known_as_such() -> None:
     assert slide([0.0] * 4 + [0.1] * 5, told=-1.0) == pytest.approx((0.01, -2.0))
 
