@@ -15,9 +15,10 @@ def encode_depth(depth: npt.NDArray[np.float32], unit: float = DEPTH_UNIT) -> by
     """Return the bytes of z-depths (h, w) [m]; not finite, not positive, too far: unknown."""
     import zstandard
 
-    scaled = np.nan_to_num(depth / np.float32(unit), nan=0.0, posinf=0.0, neginf=0.0)
-    known = (scaled >= 0.5) & (scaled < 65535.5)
-    units = np.where(known, np.rint(scaled), 0).astype("<u2")
+    scaled = np.divide(depth, np.float32(unit), dtype=np.float32)
+    # NaN compares false with everything.
+    scaled[~((scaled >= 0.5) & (scaled < 65535.5))] = 0.0
+    units = np.rint(scaled, out=scaled).astype("<u2")
     return bytes(zstandard.ZstdCompressor(level=_LEVEL).compress(units.tobytes()))
 
 

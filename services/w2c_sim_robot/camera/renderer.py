@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import ConfigError
+from w2c_sim_robot.camera.culling import culled, may_be_seen
 from w2c_sim_robot.camera.gl import make_context
 
 SUPERSAMPLING = 2
@@ -155,9 +156,13 @@ class Renderer:
         view = mujoco.MjvCamera()
         view.type = mujoco.mjtCamera.mjCAMERA_FIXED
         view.fixedcamid = self._model.camera(camera).id
-        mujoco.mjv_updateScene(
-            self._model, data, option, None, view, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
-        )
+        # What throws a shadow into the picture need not be in it.
+        shadows = flags.get(mujoco.mjtRndFlag.mjRND_SHADOW, False)
+        seen = None if shadows else may_be_seen(self._model, data, view.fixedcamid, width / height)
+        with culled(self._model, option, seen):
+            mujoco.mjv_updateScene(
+                self._model, data, option, None, view, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
+            )
         usual = self._scene.flags.copy()
         try:
             for flag, value in flags.items():
@@ -184,5 +189,9 @@ class Renderer:
         """
         extent = self._model.stat.extent
         near, far = self._model.vis.map.znear * extent, self._model.vis.map.zfar * extent
-        depth = near * far / (near + buffer.astype(np.float64) * (far - near))
-        return np.where(buffer > 0.0, depth, 0.0).astype(np.float32)
+        # In single precision, in place: off by less than a millionth.
+        depth = np.multiply(buffer, np.float32(far - near), dtype=np.float32)
+        depth += np.float32(near)
+        np.divide(np.float32(near * far), depth, out=depth)
+        depth[buffer <= 0.0] = 0.0
+        return depth

@@ -11,7 +11,8 @@ from w2c.depth import decode_depth
 from w2c.errors import ConfigError
 from w2c.geometry import Intrinsics
 from w2c.messages import Array, PictureRequest
-from w2c_sim_robot.camera import gl
+from w2c_sim_robot.camera import gl, renderer
+from w2c_sim_robot.camera.culling import may_be_seen
 from w2c_sim_robot.camera.measure import measure
 from w2c_sim_robot.camera.renderer import Renderer
 from w2c_sim_robot.camera.studio import Studio
@@ -167,3 +168,37 @@ def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch: pytest.Mo
 
     with pytest.raises(ConfigError, match=r"MUJOCO_GL=nonsense.*apt-get install -y libegl1"):
         gl.choose_backend()
+
+
+@pytest.mark.parametrize("camera", [HEAD_CAMERA, "side"])
+def test_what_is_left_out_of_a_picture_was_not_in_it(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch, camera: str
+) -> None:
+    def draw() -> tuple[Array, Array]:
+        hidden = (HEAD_SHELL_GROUP,) if camera == HEAD_CAMERA else ()
+        image = studio.renderer.draw(studio.data, camera, size=(320, 180), hidden_groups=hidden)
+        return image.rgb, image.depth
+
+    groups = studio.model.geom_group.copy()
+    seen = may_be_seen(studio.model, studio.data, studio.model.camera(camera).id, 320 / 180)
+    colours, depth = draw()
+    monkeypatch.setattr(renderer, "may_be_seen", lambda *_: None)
+    all_colours, all_depth = draw()
+
+    assert np.array_equal(colours, all_colours)
+    assert np.array_equal(depth, all_depth)
+    assert np.array_equal(studio.model.geom_group, groups)
+    if camera == HEAD_CAMERA:
+        assert (~seen).sum() > 30, "most of the robot is behind its eyes"
+
+
+def test_metric_depth_is_as_exact_as_its_steps(studio: Studio) -> None:
+    extent = studio.model.stat.extent
+    near, far = (extent * one for one in (studio.model.vis.map.znear, studio.model.vis.map.zfar))
+    z = np.linspace(0.3, 16.0, 1000)
+    buffer = ((near / z - near / far) / (1.0 - near / far)).astype(np.float32)
+
+    metric = studio.renderer._metric(np.append(buffer, np.float32(0.0)))
+
+    assert metric[:-1] == pytest.approx(z, rel=2e-5)
+    assert metric[-1] == 0.0
