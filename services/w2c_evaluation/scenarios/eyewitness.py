@@ -4,10 +4,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from w2c.geometry import Intrinsics, Matrix, Vector
 from w2c.messages import Array
 from w2c_evaluation.scenarios.scenario import Place
 from w2c_evaluation.scenarios.sight import Circle, Pixel, draw_circle
+
+EDGE_WINDOW_PX = 2
+EDGE_LEAST_PX = 5
+EDGE_STEP_M = 0.012
+"""What is nearer by more, in so many of the pixels around, is another surface, in front"""
 
 
 class Surface(Protocol):
@@ -99,14 +106,36 @@ class Wanted:
 
 
 def find_place(witness: Witness, place: Place) -> Wanted | None:
-    """Return where a place is seen to be; None where something hides it."""
+    """Return where a place is seen to be; None where something hides it.
+
+    At an edge, the surface in front is meant, as for everybody who points there: of an open box,
+    its rim and not what is seen beside it within.
+    """
     thing = next(item for item in witness.objects if item.name == place.thing)
     aim = place.aim(witness.world_from_object(place.thing), thing.size)
     pixel = witness.project(aim)
     surface = None if pixel is None else witness.surface(*pixel)
-    if surface is None or surface.owner not in place.surfaces:
+    if pixel is None or surface is None or surface.owner not in place.surfaces:
         return None
-    return Wanted(surface.point, surface.normal, surface.owner)
+    front = _in_front(witness, pixel, surface, place.surfaces)
+    return Wanted(front.point, front.normal, front.owner)
+
+
+def _in_front(witness: Witness, pixel: Pixel, surface: Surface, surfaces: Sequence[str]) -> Surface:
+    """Return the nearest of these objects' surfaces within two pixels that is not just a speck."""
+    eye = witness.world_from_camera()[:3, 3]
+    limit = float(np.linalg.norm(surface.point - eye)) - EDGE_STEP_M
+    steps = range(-EDGE_WINDOW_PX, EDGE_WINDOW_PX + 1)
+    found = []
+    for du, dv in ((du, dv) for du in steps for dv in steps):
+        beside = witness.surface(pixel[0] + du, pixel[1] + dv)
+        if beside is None or beside.owner not in surfaces:
+            continue
+        if float(np.linalg.norm(beside.point - eye)) < limit:
+            found.append((du * du + dv * dv, beside))
+    if len(found) < EDGE_LEAST_PX:
+        return surface
+    return min(found, key=lambda pair: pair[0])[1]
 
 
 def circle_of(witness: Witness, wanted: Wanted) -> Circle:

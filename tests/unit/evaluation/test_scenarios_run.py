@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from fakes.scenario_world import SCENARIO, THINGS, FakeProduct, FlatWitness
+from fakes.scenario_world import SCENARIO, TABLE_M, THINGS, FakeProduct, FlatWitness, Seen
 from w2c import topics
 from w2c.bus.inprocess import InProcessHub
 from w2c.errors import ConfigError, RefusedError
@@ -17,13 +17,14 @@ from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest, GroundingR
 from w2c_evaluation.scenarios import commands
 from w2c_evaluation.scenarios.conversation import Conversation
 from w2c_evaluation.scenarios.experiments import EXPERIMENTS, Experiment, find_experiment
+from w2c_evaluation.scenarios.eyewitness import find_place
 from w2c_evaluation.scenarios.film import Film, make_strip
 from w2c_evaluation.scenarios.hits import Robot
 from w2c_evaluation.scenarios.judge import judge
 from w2c_evaluation.scenarios.phrase_book import PhraseBook
 from w2c_evaluation.scenarios.record import Played, RunResult
 from w2c_evaluation.scenarios.run import RunOptions, conclude
-from w2c_evaluation.scenarios.scenario import Scenario
+from w2c_evaluation.scenarios.scenario import Place, Scenario
 from w2c_evaluation.scenarios.scripted_words import ScriptedWords, find_span
 from w2c_evaluation.scenarios.speaker import Yes
 from w2c_evaluation.scenarios.true_boxes import TrueGrounding, see
@@ -197,6 +198,23 @@ def test_a_study_goes_on_where_it_was(
     assert "boxes from truth" in capsys.readouterr().out
     with pytest.raises(ConfigError, match="--resume"):
         commands.evaluate(["--scenarios", "a", "--run-directory", str(tmp_path), "--resume"])
+
+
+@pytest.mark.parametrize(("rim_px", "meant"), [(1, TABLE_M + 0.05), (4, TABLE_M)])
+def test_at_an_edge_the_surface_in_front_is_meant(rim_px: int, meant: float) -> None:
+    """The middle of an open box is seen this many pixels behind its rim."""
+
+    class OpenBox(FlatWitness):
+        def surface(self, u: float, v: float) -> Seen | None:
+            seen = super().surface(u, v)
+            middle = self.project(np.array([*THINGS[0].centre, TABLE_M]))
+            if seen is None or middle is None or v < middle[1] + rim_px:
+                return seen
+            return Seen(seen.owner, seen.point + np.array([0.0, 0.0, 0.05]), seen.normal)
+
+    wanted = find_place(OpenBox(), Place("the middle", THINGS[0].name, (0.0, 0.0, 0.0)))
+    assert wanted is not None
+    assert wanted.point[2] == pytest.approx(meant)
 
 
 def test_runs_go_side_by_side_where_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
