@@ -18,6 +18,7 @@ from w2c.messages import ChatMessage
 from w2c_llm.backend import Budget, Capabilities, Generation, JsonSchema, Sampling, Scores, Usage
 from w2c_llm.gbnf import grammar_of
 from w2c_llm.openai_wire import Reply, ReplyChoice, TokenCounts, extract_json
+from w2c_llm.schema import MAX_PATTERN
 
 _LOG = logging.getLogger("w2c.llm.openai")
 _ATTEMPTS = 4
@@ -102,9 +103,10 @@ class OpenAiBackend:
         budget: Budget,
     ) -> Generation:
         """Ask for JSON of a schema. Prose around it is cut off; the caller validates the rest."""
+        named = described(schema)
         instruction = (
             "Answer with one JSON value and nothing else, in this JSON schema: "
-            + json.dumps(schema, ensure_ascii=False)
+            + json.dumps(named, ensure_ascii=False)
         )
         chat = [_as_dict(message) for message in messages]
         chat[-1]["content"] += "\n\n" + instruction
@@ -172,7 +174,7 @@ class OpenAiBackend:
             return {"response_format": {"type": "json_object"}}
         if self._options.schema_mode == "gbnf":
             return {"grammar": grammar_of(schema)}
-        named = {"name": "answer", "schema": schema, "strict": True}
+        named = {"name": "answer", "schema": described(schema), "strict": True}
         return {"response_format": {"type": "json_schema", "json_schema": named}}
 
     def _post(self, body: dict[str, Any], budget: Budget) -> Reply:
@@ -231,6 +233,20 @@ class OpenAiBackend:
         if not reply.choices:
             raise ModelError(f"{self._options.url} sent a chat completion without choices")
         return reply
+
+
+def described(schema: Any) -> Any:
+    """Return a schema whose long patterns are only told in words: servers refuse such patterns.
+
+    The answer is checked against them all the same.
+    """
+    if isinstance(schema, list):
+        return [described(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    if schema.get("type") == "string" and len(str(schema.get("pattern", ""))) > MAX_PATTERN:
+        schema = {name: value for name, value in schema.items() if name != "pattern"}
+    return {name: described(value) for name, value in schema.items()}
 
 
 def check_address(url: str) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from w2c.errors import RefusedError
+from w2c_llm.bound_strings import ARITHMETIC_OF, KEYWORDS, WORDS_OF, bound_string
 
 MAX_DEPTH = 12
 MAX_NODES = 1000
@@ -20,7 +21,7 @@ _COMMON = {"title", "description", "default", "$defs", "type"}
 _KEYWORDS = {
     "object": {"properties", "required", "additionalProperties"},
     "array": {"items", "minItems", "maxItems"},
-    "string": {"minLength", "maxLength", "pattern"},
+    "string": {"minLength", "maxLength", "pattern", *KEYWORDS},
     "integer": {"minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"},
     "number": {"minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "multipleOf"},
     "boolean": set(),
@@ -153,6 +154,8 @@ def _checked_enum(node: Schema, path: str) -> list[Any]:
 
 
 def _checked_string(node: Schema, path: str, _: int) -> Schema:
+    if WORDS_OF in node or ARITHMETIC_OF in node:
+        return bound_string(node, path)
     low = _bound(node, "minLength", 0, MAX_STRING, path, default=0)
     checked: Schema = {"type": "string"}
     if low:
