@@ -24,8 +24,10 @@ from w2c_llm.llama_model import LlamaModel
 Logits = npt.NDArray[np.float32]
 
 WORK = 0
-OPTIONS = 8
-"""Options of a choice that are evaluated in one batch"""
+OPTIONS = 32
+"""Options of a choice that are evaluated in one batch: as many as a request may have"""
+_ROWS = 64
+"""Tokens of options in one batch: the logits of each take 0.6 MB with a large vocabulary"""
 _BATCH = 512
 _CELL_ROUNDING = 256
 """llama.cpp rounds a context up to this; asking for less makes its own checks fail late"""
@@ -149,9 +151,8 @@ class Sequences:
         """Return the log-likelihood of each option (at least one token) after the work sequence."""
         first = log_softmax(after_prompt)
         result: list[float] = []
-        for start in range(0, len(options), OPTIONS):
+        for group in _groups(options):
             budget.check()
-            group = options[start : start + OPTIONS]
             result += self._score_group(first, group)
         return result
 
@@ -258,6 +259,19 @@ class Sequences:
             raise ModelError(f"llama.cpp has no logits for row {index}")
         array = np.ctypeslib.as_array(pointer, (self._model.vocabulary_size,))
         return np.array(array, dtype=np.float32)
+
+
+def _groups(options: Sequence[Sequence[int]]) -> list[list[Sequence[int]]]:
+    """Return the options in their order, cut where a batch is full."""
+    groups: list[list[Sequence[int]]] = []
+    rows = 0
+    for option in options:
+        rows += len(option) - 1
+        if not groups or len(groups[-1]) == OPTIONS or rows > _ROWS:
+            groups.append([])
+            rows = len(option) - 1
+        groups[-1].append(option)
+    return groups
 
 
 def log_softmax(logits: Logits) -> Logits:

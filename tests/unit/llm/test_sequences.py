@@ -10,7 +10,7 @@ from w2c.clock import RealClock, StepClock
 from w2c.errors import DeadlineError, ModelError, RefusedError
 from w2c_llm.backend import Budget
 from w2c_llm.llama_model import LlamaModel
-from w2c_llm.sequences import Sequences
+from w2c_llm.sequences import Sequences, _groups
 
 PREFIX = [20 + index % 90 for index in range(50)]
 PROMPT = [*PREFIX, 31, 32, 33]
@@ -99,11 +99,21 @@ def test_the_context_is_rounded_up_as_llama_cpp_does(model: LlamaModel) -> None:
     sequences.close()
 
 
+@pytest.mark.parametrize(
+    ("count", "length", "batches"), [(3, 3, 1), (32, 3, 1), (33, 1, 2), (4, 30, 2), (2, 80, 2)]
+)
+def test_options_go_in_one_batch_as_long_as_they_fit(count: int, length: int, batches: int) -> None:
+    options = [[index] * length for index in range(count)]
+    groups = _groups(options)
+    assert len(groups) == batches
+    assert [option for group in groups for option in group] == options
+
+
 def test_more_options_than_sequences_are_scored_in_groups(
     sequences: Sequences, budget: Budget
 ) -> None:
-    after = sequences.begin(PROMPT, len(PREFIX), 60, budget).logits
-    options = [[40 + index, 41, 42] for index in range(19)]
+    after = sequences.begin(PROMPT, len(PREFIX), 90, budget).logits
+    options = [[40 + index, 41, 42] for index in range(40)]
     together = sequences.continuations(after, options, budget)
     alone = [sequences.continuations(after, [option], budget)[0] for option in options]
     np.testing.assert_allclose(together, alone, atol=5e-2)
