@@ -145,18 +145,23 @@ class FakeProduct:
     It understands `N cm to the left` and the like only where it is told what is meant, by `meant`.
     """
 
-    def __init__(self, hub: InProcessHub, *, deaf: bool = False, misses_m: float = 0.0) -> None:
+    def __init__(
+        self, hub: InProcessHub, *, deaf: bool = False, misses_m: float = 0.0, loses: int = 0
+    ) -> None:
         """Serve.
 
         Args:
             hub: The bus.
             deaf: Corrections change nothing.
             misses_m: How far beside the confirmed point hands end.
+            loses: How many pictures the dialogue does not get.
         """
         self._buses = {name: hub.connect(name) for name in ("robot", "camera", "controller")}
         self._buses |= {name: hub.connect(name) for name in ("perception", "dialogue")}
         self._deaf = deaf
         self._misses_m = misses_m
+        self._loses = loses
+        self.captured = 0
         self._ids = count(1)
         self._target: Target | None = None
         self._instruction = ""
@@ -235,9 +240,18 @@ class FakeProduct:
         return frame
 
     def _capture(self, _request: CaptureRequest, _context: CallContext) -> CameraFrame:
+        self.captured += 1
         return self._look()
 
     def _say(self, request: SayRequest, _context: CallContext) -> Turn:
+        if self._loses > 0:  # a picture that never came
+            self._loses -= 1
+            return self._turn(
+                request.text,
+                "",
+                reply="The picture is unknown. Look at the live picture.",
+                ok=False,
+            )
         words = request.text.lower()
         named = [thing for thing in THINGS if thing.name in words]
         if named:
@@ -319,13 +333,16 @@ class FakeProduct:
         goal_id: str = "",
         limb: str = "",
         task: str = "",
+        reply: str = "",
+        *,
+        ok: bool = True,
     ) -> Turn:
         return Turn(
             stamp_ns=self._stamp_ns,
             text=text,
             module=module,
-            reply="",
-            ok=True,
+            reply=reply,
+            ok=ok,
             target=target,
             goal_id=goal_id,
             end_effector=limb,

@@ -72,6 +72,12 @@ def test_who_is_not_heard_gives_up_and_nothing_moves(tmp_path: Path) -> None:
     assert played.goal_ids == []
 
 
+def test_a_picture_that_was_lost_is_taken_again(tmp_path: Path) -> None:
+    result, _ = play(tmp_path, loses=2)
+    assert result.succeeded
+    assert result.wrong_turns == {}
+
+
 def test_a_hand_that_misses_is_control(tmp_path: Path) -> None:
     result, _ = play(tmp_path, misses_m=0.06)
     assert (result.succeeded, result.cause) == (False, "control")
