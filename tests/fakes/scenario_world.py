@@ -248,7 +248,7 @@ class FakeProduct:
             self._loses -= 1
             return self._turn(
                 request.text,
-                "",
+                "none",
                 reply="The picture is unknown. Look at the live picture.",
                 ok=False,
             )
