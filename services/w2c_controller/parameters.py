@@ -61,6 +61,9 @@ class Limits:
     joint_margin_factors: dict[str, float] = field(default_factory=lambda: {"torso_2_joint": 0.7})
     velocity_fraction: float = 0.2
     """Of the URDF's velocity limit."""
+    balance_velocity_fraction: float = 0.07
+    """The same for legs and trunk. Ours: on the way back from the end of a reach a desired trunk
+    that may swing at 1 rad/s topples the robot, though each posture on its way is stable."""
     torque_fraction: float = 0.65
     """Of the effort limit."""
     friction: float = 0.6

@@ -74,6 +74,12 @@ class ControlledModel:
         names = [i for i, name in enumerate(self.joint_names) if name.startswith(prefix)]
         return np.array(names, dtype=np.intp) + 6
 
+    @property
+    def balance_joints(self) -> Indices:
+        """Which joints are of legs and trunk: all but those of the arms."""
+        arms = [row - 6 for index in (2, 3) for row in self.joints_of(index)]
+        return np.array([row for row in range(self.nj) if row not in arms], dtype=np.intp)
+
 
 def build_model(description: RobotDescription) -> ControlledModel:
     """Return the model of a robot that describes itself. Raises ConfigError."""

@@ -195,6 +195,7 @@ def _stepping(parameters: Parameters, stage: Stage) -> Parameters:
         limits=replace(
             limits,
             velocity_fraction=stage.trust,
+            balance_velocity_fraction=stage.trust,
             torque_fraction=stage.torque_share * limits.torque_fraction,
             foot_force_rate=UNLIMITED,
             foot_torque_rate=UNLIMITED,

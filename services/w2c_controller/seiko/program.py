@@ -212,11 +212,13 @@ class ProgramBuilder:
                 for name in controlled.joint_names
             ]
         )
+        speeds = np.full(controlled.nj, limits.velocity_fraction)
+        speeds[controlled.balance_joints] = limits.balance_velocity_fraction
         return (
             np.array([normal_force_limits(limits, k)[1] for k in range(4)]),
             controlled.lower + margin,
             controlled.upper - margin,
-            limits.velocity_fraction * controlled.velocity,
+            speeds * controlled.velocity,
             limits.torque_fraction * controlled.effort,
             self._rates,
         )

@@ -27,6 +27,7 @@ NO_CLAMPS = Clamps(bias_force=1e9, bias_torque=1e9, bias_position=1.0, bias_rota
 FREE = Limits(
     joint_margin=-10.0,
     velocity_fraction=1e4,
+    balance_velocity_fraction=1e4,
     torque_fraction=1e3,
     friction=1e2,
     cop_x=10.0,
@@ -40,7 +41,7 @@ FREE = Limits(
     hand_force_rate=1e7,
 )
 """Nothing binds."""
-STILL = replace(FREE, velocity_fraction=0.05)
+STILL = replace(FREE, velocity_fraction=0.05, balance_velocity_fraction=0.05)
 """Nothing binds, but the robot cannot get out of a demand by another posture."""
 PLANE_ROWS = {"friction": (0, 1, 4, 5), "pressure": (2, 3, 6, 7), "torsion": tuple(range(8, 16))}
 
@@ -105,8 +106,9 @@ def push(*values: float) -> Array:
 
 WEAK_FEET = replace(STILL, foot_force_rate=1.0, foot_torque_rate=1.0)
 SOLE = replace(STILL, friction=0.6, cop_x=0.04, cop_y=0.03)
+SLOW = replace(FREE, velocity_fraction=0.01, balance_velocity_fraction=0.01)
 CASES = [
-    Case("velocity", replace(FREE, velocity_fraction=0.01), push(), joints, moved=0.05),
+    Case("velocity", SLOW, push(), joints, moved=0.05),
     Case("joint limits", replace(FREE, joint_margin=0.3), push(), joints, moved=1.5),
     Case("torque", replace(STILL, torque_fraction=0.5), push(0, 0, 5e3), torques),
     Case("wrench rate", replace(STILL, foot_force_rate=60.0), push(0, 0, 50.0), rates),

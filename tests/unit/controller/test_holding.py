@@ -146,7 +146,7 @@ def test_frozen_readings_hold_and_good_ones_end_it(cell: Cell) -> None:
 
 def test_a_command_that_jumps_is_not_sent(cell: Cell) -> None:
     before = cell.run(1)[0]
-    cell.controller.retargeting.state.q[10] += 0.3
+    cell.controller.retargeting.state.q[10] += 0.5
     after = cell.run(20)
     np.testing.assert_array_equal(after, np.broadcast_to(before, after.shape))
     assert ("command_jump", True) in cell.reports()

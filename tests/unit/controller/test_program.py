@@ -49,8 +49,16 @@ def test_velocity_limit_is_active_on_a_far_pull(retargeting: Retargeting) -> Non
     retargeting.state.target_positions[LEFT_HAND] += [0.04, 0.0, 0.0]
     x = DaqpSolver().solve(_built(retargeting, strong))
     limit = 0.2 * retargeting.controlled.velocity
+    limit[retargeting.controlled.balance_joints] *= 0.07 / 0.2
     assert np.all(np.abs(x[6:31]) <= limit + 1e-9)
     assert np.any(np.abs(np.abs(x[6:31]) - limit) < 1e-9)
+
+
+def test_legs_and_trunk_balance_slowly_while_an_arm_is_fast(retargeting: Retargeting) -> None:
+    names = [retargeting.controlled.joint_names[i] for i in retargeting.controlled.balance_joints]
+
+    assert sorted({name.split("_")[0] for name in names}) == ["leg", "torso"]
+    assert len(names) == 14
 
 
 def test_joint_limits_are_kept_with_their_margin(model: ControlledModel, joints: Array) -> None:
