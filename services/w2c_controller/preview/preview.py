@@ -7,16 +7,19 @@ from w2c.geometry import frame_from_normal
 from w2c.messages import PlaceGoal, PreviewReply
 from w2c_controller.goals.goals import Goal, check_place
 from w2c_controller.motion.grasp import pointing_rotation
+from w2c_controller.parameters import HANDS
 from w2c_controller.preview.search import StaticSearch
 from w2c_controller.seiko.contacts import normal_force_limits
 from w2c_controller.seiko.desired import DesiredState
+from w2c_controller.switching.blocking import spoken
 
 
 def preview(search: StaticSearch, state: DesiredState, message: PlaceGoal) -> PreviewReply:
     """Return what a goal would come to, going on from a desired state; the state stays as it is.
 
     A reach is possible where the hand gets within the distance that counts as reached; a contact,
-    where it also takes its smallest load there.
+    where it also takes its smallest load there. One that is possible, and where the robot would
+    fall without a hand, says so.
     """
     try:
         goal = check_place(message, search.controlled.hand_radius)
@@ -39,7 +42,7 @@ def preview(search: StaticSearch, state: DesiredState, message: PlaceGoal) -> Pr
         return PreviewReply(reachable=False, distance=distance, reason=_short(search, goal, stands))
     if goal.task == "contact":
         return _preview_load(search, goal, distance)
-    return PreviewReply(reachable=True, distance=distance)
+    return PreviewReply(reachable=True, distance=distance, reason=_beware(search))
 
 
 def aim(search: StaticSearch, goal: Goal) -> None:
@@ -52,12 +55,24 @@ def _preview_load(search: StaticSearch, goal: Goal, distance: float) -> PreviewR
     force = search.load(goal.effector, frame_from_normal(goal.normal))
     least, _ = normal_force_limits(search.parameters.limits, goal.effector)
     if force >= least:
-        return PreviewReply(reachable=True, distance=distance)
+        return PreviewReply(reachable=True, distance=distance, reason=_beware(search))
     return PreviewReply(
         reachable=False,
         distance=distance,
         reason=f"the {_name(goal)} gets there, but would bear {max(force, 0.0):.0f} N where "
         f"{least:.0f} N are needed{_because(search)}. Choose a point nearer to the body",
+    )
+
+
+def _beware(search: StaticSearch) -> str:
+    """Return what a posture that leans far ahead depends on; "" = it would stand without hands."""
+    hands = [spoken(k) for k in HANDS if search.state.enabled[k]]
+    ahead, farthest = search.lead(), search.parameters.supervision.falls_ahead
+    if not hands or ahead <= farthest:
+        return ""
+    return (
+        f"the robot leans {100 * ahead:.1f} cm ahead of its feet, limit {100 * farthest:.1f} cm: "
+        f"if the {' or the '.join(hands)} lost its support, it would fall"
     )
 
 

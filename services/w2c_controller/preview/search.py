@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c_controller.kinematics.model import ControlledModel, Kinematics
-from w2c_controller.parameters import Parameters
+from w2c_controller.parameters import FEET, Parameters
 from w2c_controller.seiko.desired import DesiredState
 from w2c_controller.seiko.retargeting import Retargeting
 from w2c_controller.switching.blocking import limits_reached
@@ -156,6 +156,15 @@ class StaticSearch:
         ]
         residual = float(np.abs(kinematics.static[:6]).max())
         return residual < RESIDUAL_FORCE and max(moved, default=0.0) < DRIFT
+
+    def lead(self) -> float:
+        """Return how far the centre of mass is ahead of the middle of the soles that stand [m]."""
+        state, kinematics = self.state, self.kinematics
+        feet = [k for k in FEET if state.enabled[k]]
+        middle = kinematics.positions[feet].mean(axis=0)
+        ahead = kinematics.rotations[feet][:, :2, 0].mean(axis=0)
+        offset = (kinematics.center_of_mass(state.q) - middle)[:2]
+        return float(offset @ ahead / np.linalg.norm(ahead))
 
     def limits_reached(self) -> list[str]:
         """Return the limits that the state found is at, in words."""

@@ -38,7 +38,7 @@ class Supervision:
     reaches a foot creeps by 0.3 mm; a ball that turns is drawn over the table by up to 5 mm."""
     slip_window: float = 0.5
     """Time constant after which a motion counts as place [s]."""
-    creep_distance: float = 0.004
+    creep_distance: float = 0.003
     """Of a hand within `creep_window`, where it should stick [m]."""
     creep_window: float = 5.0
     """An arm that winds up draws its hand by 2 mm/s [s]."""
@@ -53,5 +53,8 @@ class Supervision:
     """Measured normal force on a hand [N]; 1.3 times the largest that is ever wanted."""
     overload_time: float = 0.3
     """[s]"""
+    falls_ahead: float = 0.08
+    """A robot whose centre of mass is farther ahead of the middle of its soles falls when its hand
+    loses its support [m]: it stood at 7.4 cm, and fell at 8.9. For previews."""
     bump_settle: float = 0.5
     """Time constant with which the reading of a free effector becomes its zero [s]."""

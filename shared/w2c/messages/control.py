@@ -91,6 +91,7 @@ class PreviewReply(Message, frozen=True, kw_only=True):
     distance: float
     """What would be left between the end effector and the point [m]"""
     reason: Text = ""
+    """Why not; where it could, what to beware of"""
 
 
 class GoalEvent(Message, frozen=True, kw_only=True):

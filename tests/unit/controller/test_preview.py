@@ -178,3 +178,35 @@ def test_loading_uses_the_frame_of_the_surface(search: StaticSearch, joints: Arr
     force = search.load(RIGHT_HAND, frame_from_normal(np.array([-1.0, 0.0, 0.0])))
     assert force >= 0.0
     assert search.stands()
+
+
+def test_a_robot_that_would_fall_without_its_hand_is_told_of(
+    search: StaticSearch, standing: DesiredState, leaning: DesiredState
+) -> None:
+    alone = _ask(search, standing, "left_hand", "reach", (0.6, 0.3, 1.0))
+    assert alone.reachable, alone.reason
+    assert alone.reason == ""
+    supported = _ask(search, leaning, "left_hand", "reach", (0.95, 0.15, 0.9))
+    assert supported.reachable, supported.reason
+    lead, limit = search.lead(), search.parameters.supervision.falls_ahead
+    assert lead > limit
+    assert f"{100 * lead:.1f} cm ahead of its feet, limit 8.0 cm" in supported.reason
+    assert "if the right hand lost its support, it would fall" in supported.reason
+
+
+def test_how_far_is_too_far_is_a_parameter(
+    search: StaticSearch, leaning: DesiredState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = search.parameters
+    tolerant = replace(own, supervision=replace(own.supervision, falls_ahead=float("inf")))
+    monkeypatch.setattr(search, "parameters", tolerant)
+    reply = _ask(search, leaning, "left_hand", "reach", (0.95, 0.15, 0.9))
+    assert (reply.reachable, reply.reason) == (True, "")
+
+
+def test_the_lead_is_along_the_feet(search: StaticSearch, standing: DesiredState) -> None:
+    search.start_from(standing)
+    mass = search.kinematics.center_of_mass(standing.q)
+    middle = search.kinematics.positions[:2].mean(axis=0)
+    assert search.lead() == pytest.approx(mass[0] - middle[0], abs=1e-9)
+    assert abs(search.lead()) < 0.05

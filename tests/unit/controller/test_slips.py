@@ -199,7 +199,7 @@ def test_a_foot_that_carries_nothing_does_not_slip(robot: Robot) -> None:
 
 
 def test_while_the_feet_move_the_slow_motion_of_a_hand_begins_anew(robot: Robot) -> None:
-    assert robot.run(1.5, velocity=0.002) == []
+    assert robot.run(1.0, velocity=0.002) == []
     robot.forces[RIGHT_FOOT] = 350.0 * UP
     found = robot.run(0.5, LEFT_FOOT, velocity=-0.05)
     assert {finding.effector for finding in found} == {RIGHT_FOOT}  # the lighter one

@@ -178,7 +178,7 @@ def test_slow_creep_is_no_slip(leaning: ContactWorld) -> None:
 
 
 def test_a_hand_that_is_drawn_slowly_over_its_friction_slips(leaning: ContactWorld) -> None:
-    for _ in range(round(4.0 / leaning.dt)):
+    for _ in range(round(3.0 / leaning.dt)):
         leaning.moved[RIGHT_HAND] += 0.002 * leaning.dt * ALONG
         leaning.run(leaning.dt)
     assert [finding.cause for finding in leaning.findings] == ["contact_slips"]
