@@ -4,8 +4,8 @@ import msgspec
 import numpy as np
 
 from w2c_sim_robot.scenes.lamps import DAYLIGHT
+from w2c_sim_robot.scenes.objects.appliances import DOOR_TOP, RACK_FLOOR
 from w2c_sim_robot.scenes.objects.catalogue import make_object
-from w2c_sim_robot.scenes.objects.room import DOOR_TOP, RACK_FLOOR
 from w2c_sim_robot.scenes.scene import (
     Instruction,
     Quaternion,

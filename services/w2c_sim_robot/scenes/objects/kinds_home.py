@@ -1,10 +1,11 @@
 """Rows of the catalogue: furniture, kitchen, books, office, bathroom, clothes, household."""
 
 from w2c_sim_robot.scenes.objects import (
+    appliances,
+    clothes,
     furniture,
     kitchen,
     office,
-    outdoors,
     paper,
     room,
     soft,
@@ -42,11 +43,12 @@ FURNITURE: dict[str, Kind] = {
         (*WOODEN, "red", "blue"), 3.5, "carries", True, {"brown": OAK}, "furniture", ("metal",),
     ),
     "fridge": Kind(
-        room.fridge, ("fridge", "refrigerator"), "metal", (0.6, 0.6, 0.85), (0.06, 0.08, 0.06),
+        appliances.fridge, ("fridge", "refrigerator"), "metal",
+        (0.6, 0.6, 0.85), (0.06, 0.08, 0.06),
         ("white", "grey", "red", "black", "turquoise"), 40.0, "carries", True, {}, "furniture",
     ),
     "dishwasher": Kind(
-        room.dishwasher, ("dishwasher",), "metal", (1.08, 0.6, 0.85), (0.03, 0.03, 0.03),
+        appliances.dishwasher, ("dishwasher",), "metal", (1.08, 0.6, 0.85), (0.03, 0.03, 0.03),
         ("white", "grey", "black"), 45.0, "carries", True, {}, "furniture",
     ),
     "wall": Kind(
@@ -115,11 +117,11 @@ KITCHEN: dict[str, Kind] = {
         group="tableware", other_materials=("plastic", "stone"),
     ),
     "dish_rack": Kind(
-        room.dish_rack, ("dish rack", "rack"), "metal", (0.48, 0.48, 0.14), (0.04, 0.04, 0.1),
+        appliances.dish_rack, ("dish rack", "rack"), "metal", (0.48, 0.48, 0.14), (0.04, 0.04, 0.1),
         ("grey", "white", "black", "blue"), 1.5, "slides", group="tableware",
     ),
     "hot_plate": Kind(
-        room.hot_plate, ("hot plate", "stove", "cooker"), "metal",
+        appliances.hot_plate, ("hot plate", "stove", "cooker"), "metal",
         (0.28, 0.5, 0.07), (0.05, 0.05, 0.1), ("white", "black", "grey"), 4.0, "forbidden",
         group="tableware",
     ),
@@ -274,16 +276,16 @@ HOUSEHOLD: dict[str, Kind] = {
 
 CLOTHES: dict[str, Kind] = {
     "shirt": Kind(
-        outdoors.shirt, ("shirt", "folded shirt"), "cotton",
+        clothes.shirt, ("shirt", "folded shirt"), "cotton",
         (0.33, 0.25, 0.045), (0.05, 0.05, 0.15),
         (*MANY, "brown"), 0.25, "carries", group="clothes", other_materials=("wool",),
     ),
     "hat": Kind(
-        outdoors.hat, ("hat",), "fabric", (0.34, 0.34, 0.13), (0.03, 0.03, 0.1),
+        clothes.hat, ("hat",), "fabric", (0.34, 0.34, 0.13), (0.03, 0.03, 0.1),
         (*MANY, "brown"), 0.15, "slides", group="clothes", other_materials=("leather", "wool"),
     ),
     "shoe": Kind(
-        outdoors.shoe, ("shoe", "trainer", "sneaker"), "fabric",
+        clothes.shoe, ("shoe", "trainer", "sneaker"), "fabric",
         (0.3, 0.1, 0.125), (0.06, 0.05, 0.05),
         MANY, 0.35, "slides", group="clothes", other_materials=("leather",), floor=True,
     ),

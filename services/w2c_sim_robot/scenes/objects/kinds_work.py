@@ -1,6 +1,6 @@
 """Rows of the catalogue: tools, garden, industry."""
 
-from w2c_sim_robot.scenes.objects import outdoors, tools, workshop
+from w2c_sim_robot.scenes.objects import garden, industry, tools, workshop
 from w2c_sim_robot.scenes.objects.kind import Kind
 
 BEECH = {"brown": (0.80, 0.60, 0.37)}
@@ -52,29 +52,29 @@ TOOLS: dict[str, Kind] = {
 
 GARDEN: dict[str, Kind] = {
     "flower_pot": Kind(
-        outdoors.flower_pot, ("plant", "flower pot", "potted plant"), "ceramic",
+        garden.flower_pot, ("plant", "flower pot", "potted plant"), "ceramic",
         (0.22, 0.22, 0.26), (0.05, 0.05, 0.12),
         ("brown", "white", "blue", "grey", "yellow", "turquoise"), 1.2, "fragile", tones=CLAY,
         group="garden", other_materials=("plastic", "stone"), floor=True,
     ),
     "cactus": Kind(
-        outdoors.cactus, ("cactus",), "ceramic", (0.15, 0.16, 0.26), (0.05, 0.05, 0.12),
+        garden.cactus, ("cactus",), "ceramic", (0.15, 0.16, 0.26), (0.05, 0.05, 0.12),
         ("brown", "white", "red", "yellow", "blue"), 0.8, "forbidden", tones=CLAY, group="garden",
     ),
     "watering_can": Kind(
-        outdoors.watering_can, ("watering can",), "metal",
+        garden.watering_can, ("watering can",), "metal",
         (0.15, 0.35, 0.21), (0.04, 0.04, 0.08),
         ("grey", "green", "blue", "red", "yellow", "turquoise"), 0.8, "slides", group="garden",
         other_materials=("plastic",), floor=True,
     ),
     "trowel": Kind(
-        outdoors.trowel, ("trowel", "garden shovel", "small shovel"), "wood",
+        garden.trowel, ("trowel", "garden shovel", "small shovel"), "wood",
         (0.305, 0.07, 0.028), (0.06, 0.06, 0.05),
         ("brown", "green", "red", "blue", "orange"), 0.25, "slides", tones=BEECH, group="garden",
         other_materials=("plastic",),
     ),
     "bucket": Kind(
-        workshop.bucket, ("bucket", "pail"), "plastic", (0.27, 0.27, 0.25), (0.03, 0.03, 0.08),
+        industry.bucket, ("bucket", "pail"), "plastic", (0.27, 0.27, 0.25), (0.03, 0.03, 0.08),
         ("blue", "red", "green", "yellow", "grey", "black", "white"), 0.7, "slides",
         group="garden", other_materials=("metal",), floor=True,
     ),
@@ -82,28 +82,28 @@ GARDEN: dict[str, Kind] = {
 
 INDUSTRY: dict[str, Kind] = {
     "helmet": Kind(
-        workshop.helmet, ("helmet", "hard hat", "safety helmet"), "plastic",
+        industry.helmet, ("helmet", "hard hat", "safety helmet"), "plastic",
         (0.31, 0.235, 0.15), (0.03, 0.03, 0.05),
         ("yellow", "white", "red", "blue", "orange", "green"), 0.4, "slides", group="industrial",
         floor=True,
     ),
     "cone": Kind(
-        workshop.cone, ("cone", "traffic cone"), "plastic", (0.24, 0.24, 0.4), (0.04, 0.04, 0.15),
+        industry.cone, ("cone", "traffic cone"), "plastic", (0.24, 0.24, 0.4), (0.04, 0.04, 0.15),
         ("orange", "red", "yellow", "green", "blue"), 1.0, "slides", group="industrial",
         floor=True,
     ),
     "pipe": Kind(
-        workshop.pipe, ("pipe", "tube"), "metal", (0.075, 0.4, 0.075), (0.0, 0.2, 0.0),
+        industry.pipe, ("pipe", "tube"), "metal", (0.075, 0.4, 0.075), (0.0, 0.2, 0.0),
         ("grey", "red", "yellow", "blue", "orange", "black"), 2.0, "slides", group="industrial",
         other_materials=("plastic",), floor=True,
     ),
     "gearwheel": Kind(
-        workshop.gearwheel, ("gearwheel", "gear", "cog"), "metal",
+        industry.gearwheel, ("gearwheel", "gear", "cog"), "metal",
         (0.16, 0.16, 0.04), (0.1, 0.1, 0.15), ("grey", "black", "brown", "yellow"), 2.5, "carries",
         group="industrial", other_materials=("plastic",),
     ),
     "canister": Kind(
-        workshop.canister, ("canister", "jerry can", "fuel can"), "plastic",
+        industry.canister, ("canister", "jerry can", "fuel can"), "plastic",
         (0.16, 0.3, 0.34), (0.06, 0.06, 0.1),
         ("red", "green", "blue", "yellow", "black", "white"), 5.0, "slides",
         group="industrial", other_materials=("metal",), floor=True,

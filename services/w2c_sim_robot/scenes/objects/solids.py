@@ -120,3 +120,16 @@ def wall_colliders(size: Size, thick: float) -> tuple[Collider, ...]:
         Collider("box", (x / 2, thick / 2, z / 2), (0, s * (y - thick) / 2, z / 2)) for s in (-1, 1)
     ]
     return (*sides, *ends)
+
+
+def flat_ring(outer: float, inner: float, z: float) -> Mesh:
+    """Return a flat ring about z, between two radii, of a height [m]."""
+    return merged(
+        lathe([[inner, 0], [outer, 0], [outer, z], [inner, z]]), lathe([[inner, z], [inner, 0]])
+    )
+
+
+def about_z(angle: float) -> Points:
+    """Return the rotation (3, 3) about z by an angle [rad]."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
