@@ -17,6 +17,12 @@ EDGE_STEP_M = 0.012
 """What is nearer by more, in so many of the pixels around, is another surface, in front"""
 
 
+PATCH_PX, PATCH_STEP_PX = 9, 3
+PATCH_M = 0.02
+PATCH_LEAST = 9
+"""Points around, in pixels and metres, that make a plane"""
+
+
 class Surface(Protocol):
     """The first visible surface behind a pixel."""
 
@@ -118,7 +124,29 @@ def find_place(witness: Witness, place: Place) -> Wanted | None:
     if pixel is None or surface is None or surface.owner not in place.surfaces:
         return None
     front = _in_front(witness, pixel, surface, place.surfaces)
-    return Wanted(front.point, front.normal, front.owner)
+    return Wanted(front.point, _plane_normal(witness, pixel, front), front.owner)
+
+
+def _plane_normal(witness: Witness, pixel: Pixel, surface: Surface) -> Vector:
+    """Return the normal (3,) of what is seen within a fingertip around a surface's point.
+
+    Of a heap of nails, that of the heap: not of the nail that a ray happens to meet.
+    """
+    steps = range(-PATCH_PX, PATCH_PX + 1, PATCH_STEP_PX)
+    seen = (witness.surface(pixel[0] + du, pixel[1] + dv) for du in steps for dv in steps)
+    near = [
+        one.point
+        for one in seen
+        if one is not None
+        and one.owner == surface.owner
+        and float(np.linalg.norm(one.point - surface.point)) < PATCH_M
+    ]
+    if len(near) < PATCH_LEAST:
+        return surface.normal
+    points = np.array(near)
+    normal: Vector = np.linalg.svd(points - points.mean(axis=0))[2][2]
+    towards = witness.world_from_camera()[:3, 3] - surface.point
+    return normal if float(normal @ towards) > 0.0 else -normal
 
 
 def _in_front(witness: Witness, pixel: Pixel, surface: Surface, surfaces: Sequence[str]) -> Surface:

@@ -223,6 +223,20 @@ def test_at_an_edge_the_surface_in_front_is_meant(rim_px: int, meant: float) -> 
     assert wanted.point[2] == pytest.approx(meant)
 
 
+def test_the_normal_of_a_heap_is_not_that_of_the_nail_that_is_met() -> None:
+    class Nails(FlatWitness):
+        def surface(self, u: float, v: float) -> Seen | None:
+            seen = super().surface(u, v)
+            if seen is None:
+                return None
+            bump = 0.002 * np.sin(7.0 * u + 3.0 * v)
+            return Seen(seen.owner, seen.point + np.array([0.0, 0.0, bump]), np.array([1.0, 0, 0]))
+
+    wanted = find_place(Nails(), Place("the middle", THINGS[0].name, (0.0, 0.0, 0.0)))
+    assert wanted is not None
+    assert wanted.normal[2] > 0.97
+
+
 def test_runs_go_side_by_side_where_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     together = threading.Barrier(2, timeout=10.0)
 

@@ -110,7 +110,10 @@ def wrench(size: Size, rng: np.random.Generator) -> Shape:
 
 
 def nail_box(size: Size, rng: np.random.Generator) -> Shape:
-    """Return an open box full of nails, with a printed front."""
+    """Return an open box full of nails, with a printed front.
+
+    Full to the rim: a hand that comes to what is seen must not meet the solid box before.
+    """
     x, y, z = size
     card = Surface("main", textures.cardboard(rng), 0.08)
     sign = textures.words(("NAILS", "4 x 100"), (256, 128), ground=(0.95, 0.93, 0.86))
@@ -123,16 +126,16 @@ def nail_box(size: Size, rng: np.random.Generator) -> Shape:
             [
                 rng.uniform(-0.27, 0.27) * x,
                 rng.uniform(-0.3, 0.3) * y,
-                rng.uniform(0.55, 0.84) * z,
+                rng.uniform(0.9, 0.97) * z,
             ]
         )
-        along = np.array([np.sin(turn), np.cos(turn), rng.normal(0.0, 0.08)])
+        along = np.array([np.sin(turn), np.cos(turn), rng.normal(0.0, 0.04)])
         half = 0.17 * min(x, y) * 1.3
         nails.append(
             rod([middle - half * along, middle + half * along], np.array([0.0022, 0.0018]), 6)
         )
         nails.append(rod([middle - half * along, middle - (half - 0.0015) * along], 0.0055, 8))
-    heap = slab(0.94 * x, 0.94 * y, 0.5 * z, 0.003, 0.001).moved((0, 0, 0.05 * z))
+    heap = slab(0.94 * x, 0.94 * y, 0.87 * z, 0.003, 0.001).moved((0, 0, 0.05 * z))
     return Shape(
         (
             Part(merged(open_wall(x, y, z, 0.004, 0.004), floor), card),
