@@ -51,6 +51,8 @@ class ServiceCost:
 
     instructions_ms: list[float]
     """All questions of one instruction, one after the other, over the bus"""
+    cpu_ms: float
+    """Processor time of the service for one of them, the mean: what else runs does not count"""
     idle_memory_mb: float
     """Resident memory of the process, before the first question and after the last: the larger"""
 
@@ -65,9 +67,11 @@ def measure_service(rounds: int) -> ServiceCost:
         process = psutil.Process(_pid_of_service(bus))
         before = process.memory_info().rss
         ask_instruction(bus, INSTRUCTIONS[0])  # the first one finds cold caches
+        cpu_s = sum(process.cpu_times()[:2])
         spent = [1e3 * ask_instruction(bus, text) for _ in range(rounds) for text in INSTRUCTIONS]
+        cpu_ms = 1e3 * (sum(process.cpu_times()[:2]) - cpu_s) / len(spent)
         time.sleep(IDLE_S)
-        return ServiceCost(spent, max(before, process.memory_info().rss) / 1e6)
+        return ServiceCost(spent, cpu_ms, max(before, process.memory_info().rss) / 1e6)
 
 
 def ask_instruction(bus: Bus, text: str) -> float:

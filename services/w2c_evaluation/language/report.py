@@ -58,6 +58,7 @@ def service_rows(cost: ServiceCost) -> list[dict[str, Any]]:
     """Return the rows of the service with the embedded model."""
     return [
         row("instruction", "milliseconds", cost.instructions_ms, "ms"),
+        row("instruction", "cpu_ms", [cost.cpu_ms], "ms", n=len(cost.instructions_ms)),
         row("service", "idle_memory_mb", [cost.idle_memory_mb], "MB"),
     ]
 
@@ -106,7 +107,8 @@ def format_table(results: dict[str, Any]) -> str:
         lines += [
             "",
             f"A whole instruction with the embedded model: {instruction['value']:.0f} ms "
-            f"[{low:.0f}, {high:.0f}], n = {instruction['n']}. Resident memory of the idle "
+            f"[{low:.0f}, {high:.0f}], n = {instruction['n']}, of which the service computes "
+            f"{values['instruction', 'cpu_ms']['value']:.0f} ms. Resident memory of the idle "
             f"service: {memory['value']:.0f} MB.",
         ]
     return "\n".join([*lines, "", origin(results)])

@@ -73,12 +73,12 @@ def test_an_answer_that_differs_is_counted() -> None:
 
 
 def test_targets_that_are_missed_are_named() -> None:
-    good = [*comparison_rows(comparison()), *service_rows(ServiceCost([200.0, 250.0], 120.0))]
+    good = [*comparison_rows(comparison()), *service_rows(ServiceCost([200.0, 250.0], 90.0, 120.0))]
     assert missed(good) == []
     slow = comparison_rows(comparison(ours_ms=25.0, ours_tokens=50))
     assert [line.split(":")[0] for line in missed(slow)] == ["all token_ratio", "all speedup"]
     assert missed(comparison_rows(comparison(ours_ms=25.0), EMBEDDED)) == []
-    lines = missed(service_rows(ServiceCost([400.0], 500.0)))
+    lines = missed(service_rows(ServiceCost([400.0], 90.0, 500.0)))
     assert lines == [
         "instruction milliseconds: 400, above 300",
         "service idle_memory_mb: 500, above 400",
@@ -86,10 +86,11 @@ def test_targets_that_are_missed_are_named() -> None:
 
 
 def test_the_table_has_a_line_a_kind() -> None:
-    rows = [*comparison_rows(comparison()), *service_rows(ServiceCost([200.0, 250.0], 120.0))]
+    rows = [*comparison_rows(comparison()), *service_rows(ServiceCost([200.0, 250.0], 90.0, 120.0))]
     table = format_table(make_results("language", 0, rows))
     assert "| select (1) | 100 | 10 | 10 | 600 | 20 | 9 | 9 | 1 |" in table
     assert "225 ms" in table
+    assert "computes 90 ms" in table
     assert "120 MB" in table
 
 
