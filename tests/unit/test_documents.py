@@ -12,6 +12,7 @@ import pytest
 
 from support.documents import ROOT, commands_of, documents
 from w2c.tables import calls_table, streams_table
+from w2c_evaluation.language.report import format_table as language_table
 from w2c_evaluation.perception.report import format_table as perception_table
 from w2c_evaluation.results import results_table
 from w2c_sim_robot.scenes.tables import kinds_table
@@ -24,6 +25,7 @@ REFERENCE = ROOT / "docs" / "reference" / "messages.md"
 RESULTS = ROOT / "docs" / "results" / "demo.json"
 PERCEPTION = ROOT / "docs" / "results" / "perception.json"
 CONTROL = ROOT / "docs" / "results" / "control.json"
+LANGUAGE = ROOT / "docs" / "results" / "language.json"
 
 
 def control_table() -> str:
@@ -36,6 +38,10 @@ def control_table() -> str:
 
 TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
     "control": (ROOT / "docs" / "how-to" / "benchmarks.md", control_table),
+    "language": (
+        ROOT / "docs" / "how-to" / "benchmarks.md",
+        lambda: language_table(json.loads(LANGUAGE.read_text())),
+    ),
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),
     "kinds": (SCENES, kinds_table),
