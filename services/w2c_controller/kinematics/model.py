@@ -18,7 +18,7 @@ from w2c.geometry import base_from_midfeet, inverse, quaternion_from_rotation
 from w2c.messages import RobotDescription
 from w2c_controller.kinematics.carried import LOADS, Contacts
 from w2c_controller.kinematics.configuration import integrate
-from w2c_controller.kinematics.momentum import MASSES, couple_base
+from w2c_controller.kinematics.momentum import MASSES
 from w2c_controller.kinematics.placement import place
 from w2c_controller.kinematics.statics import place_under_load
 from w2c_controller.kinematics.tree import Tree
@@ -205,6 +205,28 @@ class Kinematics:
         self._work = np.zeros((4, 3))
         self._masses = np.zeros((bodies, MASSES))
         self._momentum = np.zeros((nv, 6))
+        self.under_load = (
+            *tree.kinematic,
+            tree.weights,
+            tree.centers,
+            *self._bodies,
+            *self._frames,
+            self._loads,
+            self._work,
+            self.static,
+            self.static_dq,
+            self.static_dl,
+            self.point_jacobians,
+        )
+        """Arguments of `place_under_load` behind the posture and its contacts."""
+        self.in_motion = (
+            tree.masses,
+            tree.inertias,
+            self._masses,
+            self._momentum,
+            self.base_coupling,
+        )
+        """Arguments of `couple_base` that are not among those."""
 
     def update_frames(self, q: Vector) -> None:
         """Compute placements and Jacobians of the end effectors."""
@@ -235,31 +257,7 @@ class Kinematics:
             contact_rotations,
             enabled,
             levers,
-            *self.controlled.tree.kinematic,
-            self.controlled.tree.weights,
-            self.controlled.tree.centers,
-            *self._bodies,
-            *self._frames,
-            self._loads,
-            self._work,
-            self.static,
-            self.static_dq,
-            self.static_dl,
-            self.point_jacobians,
-        )
-
-    def update_momentum(self) -> None:
-        """Compute the coupling of the base through the momentum, of the posture last updated."""
-        tree = self.controlled.tree
-        couple_base(
-            tree.parents,
-            tree.masses,
-            tree.centers,
-            tree.inertias,
-            *self._bodies,
-            self._masses,
-            self._momentum,
-            self.base_coupling,
+            *self.under_load,
         )
 
     def joint_placement(self, joint: int) -> tuple[Matrix, Vector]:

@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from w2c_controller.kinematics.model import ControlledModel, Kinematics
 from w2c_controller.parameters import FEET, HANDS, Parameters
-from w2c_controller.seiko.assembly import assemble
+from w2c_controller.seiko.assembly import place_and_assemble
 from w2c_controller.seiko.contacts import (
     ContactLayout,
     normal_force_limits,
@@ -78,7 +78,6 @@ class ProgramBuilder:
         self._diagonal[6:nv] = choice.joint_velocity + choice.posture
         # Tuples of arguments, whose types differ one by one.
         self._constant: tuple[Any, ...] = (
-            controlled.tree.supports,
             layout.table,
             layout.torque_columns(controlled.tree),
             self._diagonal,
@@ -100,10 +99,10 @@ class ProgramBuilder:
         )
 
     def fill(self, kinematics: Kinematics, state: DesiredState) -> Program:
-        """Return the program of this state; the next call overwrites it.
+        """Update the kinematics of a state, and return its program; the next call overwrites both.
 
         Args:
-            kinematics: Of the state, statics included.
+            kinematics: Receives all that depends on the posture.
             state: The desired state.
         """
         releasing, pushing, lost = self._weighted
@@ -111,23 +110,19 @@ class ProgramBuilder:
             self._weigh_wrenches(state)
         if True in state.pushing:
             self._aim(state)
-        kinematics.update_momentum()
-        assemble(
+        place_and_assemble(
             self._dt,
             state.q,
-            state.posture,
             state.wrenches,
+            state.contact_rotations,
+            self.layout.enabled,
+            state.levers,
+            state.posture,
             state.force_min,
             state.target_positions,
             state.target_rotations,
-            kinematics.positions,
-            kinematics.rotations,
-            kinematics.jacobians,
-            kinematics.point_jacobians,
-            kinematics.static,
-            kinematics.static_dq,
-            kinematics.static_dl,
-            kinematics.base_coupling,
+            *kinematics.under_load,
+            *kinematics.in_motion,
             *self._constant,
             *self._output,
         )

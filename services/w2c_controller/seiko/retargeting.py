@@ -150,9 +150,6 @@ class Retargeting:
         """
         state, kinematics = self.state, self.kinematics
         builder = self._builders[state.enabled]
-        kinematics.update_statics(
-            state.q, state.wrenches, state.contact_rotations, state.enabled, state.levers
-        )
         try:
             x = self._solver.solve(builder.fill(kinematics, state))
         except SolverError:

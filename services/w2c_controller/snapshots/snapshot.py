@@ -29,7 +29,7 @@ CONSTANT: Final = (
 COMPUTED: Final[dict[type, tuple[str, ...]]] = {
     Kinematics: (
         "static_dq", "static_dl", "base_coupling", "_masses", "_momentum", "_loads", "_bodies",
-        "_frames", "point_jacobians",
+        "_frames", "point_jacobians", "under_load", "in_motion",
     ),
     Holds: ("_reports",),
 }  # fmt: skip

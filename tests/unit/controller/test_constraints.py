@@ -163,9 +163,10 @@ def solve(
     state, kinematics = robot.state.copy(), robot.kinematics
     state.force_min[:2] = limits.foot_force_min
     state.target_positions[0, 1] += scale * case.moved
-    kinematics.update_statics(state.q, state.wrenches, state.contact_rotations, state.enabled)
-    kinematics.static[:6] += scale * case.demand
     program = builder.fill(kinematics, state)
+    equilibrium = slice(program.size + program.equalities - 6, program.size + program.equalities)
+    for right in (program.lower, program.upper):
+        right[equilibrium] -= scale * case.demand / DT
     try:
         x = FallbackSolver().solve(program)
     except SolverError:
