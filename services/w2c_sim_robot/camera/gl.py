@@ -32,9 +32,6 @@ def choose_backend() -> str:
     for backend in [chosen] if chosen else BACKENDS:
         if works(backend):
             os.environ["MUJOCO_GL"] = backend
-            # Mesa's software renderer: with threads of its own a picture takes a third more
-            # processor time, which a robot's host has better uses for.
-            os.environ.setdefault("LP_NUM_THREADS", "0")
             return backend
     tried = f"MUJOCO_GL={chosen}" if chosen else " and ".join(BACKENDS)
     raise ConfigError(
