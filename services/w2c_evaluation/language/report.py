@@ -93,11 +93,13 @@ def format_table(results: dict[str, Any]) -> str:
         "same_answers",
     )
     names = "plain [ms] | ours [ms] | speedup | plain [tokens] | ours [tokens]"
+    cases = list(dict.fromkeys(case for case, metric in values if metric == "speedup"))
     lines = [
         f"| questions | {names} | plain, answer | ours, answer | same answers |",
         "|---" * (len(columns) + 1) + "|",
     ]
-    for case in dict.fromkeys(case for case, metric in values if metric == "speedup"):
+    lines = lines if cases else []
+    for case in cases:
         shown = " | ".join(f"{values[case, metric]['value']:.3g}" for metric in columns)
         lines.append(f"| {case} ({values[case, 'speedup']['n']}) | {shown} |")
     instruction = values.get(("instruction", "milliseconds"))

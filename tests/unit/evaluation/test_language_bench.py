@@ -92,6 +92,9 @@ def test_the_table_has_a_line_a_kind() -> None:
     assert "225 ms" in table
     assert "computes 90 ms" in table
     assert "120 MB" in table
+    alone = format_table(make_results("language", 0, rows[-3:]))
+    assert "120 MB" in alone
+    assert "|" not in alone
 
 
 @pytest.mark.parametrize(
