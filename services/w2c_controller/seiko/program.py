@@ -72,6 +72,8 @@ class ProgramBuilder:
         self._diagonal = np.zeros(layout.size)
         self._wrench_goal = np.zeros(layout.size - nv)
         self._rates = np.zeros(layout.size - nv)
+        self._velocity = np.zeros(nj)
+        self._balance = controlled.balance_joints
         self._weighted: tuple[list[bool], list[bool], list[bool]] = ([], [], [])
         """Which contacts were being released, pushed and lost when weights and rates were filled"""
         choice = parameters.weights
@@ -131,10 +133,14 @@ class ProgramBuilder:
     def _weigh_wrenches(self, state: DesiredState) -> None:
         """Drive wrenches to zero: gently, and with all might those of a contact being released.
 
-        Where a contact was lost, faster than otherwise.
+        Where a contact was lost, faster than otherwise; legs and trunk are then as fast as arms.
         """
         weights, limits = self._parameters.weights, self._parameters.limits
         lost = True in state.lost
+        self._velocity[:] = limits.velocity_fraction * self._controlled.velocity
+        if not lost:
+            slower = limits.balance_velocity_fraction * self._controlled.velocity
+            self._velocity[self._balance] = slower[self._balance]
         self._wrench_goal[:] = 0.0
         for k, where in self.layout.slices.items():
             wrench = slice(where.start - self._nv, where.stop - self._nv)
@@ -207,13 +213,11 @@ class ProgramBuilder:
                 for name in controlled.joint_names
             ]
         )
-        speeds = np.full(controlled.nj, limits.velocity_fraction)
-        speeds[controlled.balance_joints] = limits.balance_velocity_fraction
         return (
             np.array([normal_force_limits(limits, k)[1] for k in range(4)]),
             controlled.lower + margin,
             controlled.upper - margin,
-            speeds * controlled.velocity,
+            self._velocity,
             limits.torque_fraction * controlled.effort,
             self._rates,
         )

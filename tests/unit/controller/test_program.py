@@ -61,6 +61,21 @@ def test_legs_and_trunk_balance_slowly_while_an_arm_is_fast(retargeting: Retarge
     assert len(names) == 14
 
 
+def test_while_a_contact_is_lost_legs_and_trunk_are_as_fast_as_arms(
+    retargeting: Retargeting,
+) -> None:
+    state, robot = retargeting.state.copy(), retargeting.controlled
+    builder = ProgramBuilder(
+        ContactLayout(state.enabled, robot.nv), robot, retargeting.parameters, 1e-4
+    )
+    knee = 6 + robot.joint_names.index("leg_left_4_joint")
+    fastest = robot.velocity[knee - 6]
+    for lost, share in ((False, 0.07), (True, 0.2), (False, 0.07)):
+        state.lost[LEFT_HAND] = lost
+        program = builder.fill(retargeting.kinematics, state)
+        assert program.upper[knee] == pytest.approx(share * fastest)
+
+
 def test_joint_limits_are_kept_with_their_margin(model: ControlledModel, joints: Array) -> None:
     lean = Retargeting(model, Parameters(), 0.01)
     lean.reset(joints)
