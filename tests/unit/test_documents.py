@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from support.documents import ROOT, commands_of, documents
@@ -15,6 +16,8 @@ from w2c.tables import calls_table, streams_table
 from w2c_evaluation.language.report import format_table as language_table
 from w2c_evaluation.perception.report import format_table as perception_table
 from w2c_evaluation.results import results_table
+from w2c_evaluation.understanding.commands import read_questions
+from w2c_evaluation.understanding.judging import HeldOut
 from w2c_sim_robot.scenes.tables import kinds_table
 
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
@@ -26,6 +29,8 @@ RESULTS = ROOT / "docs" / "results" / "demo.json"
 PERCEPTION = ROOT / "docs" / "results" / "perception.json"
 CONTROL = ROOT / "docs" / "results" / "control.json"
 LANGUAGE = ROOT / "docs" / "results" / "language.json"
+UNDERSTANDING = ROOT / "docs" / "results" / "understanding.json"
+VOICES = tuple(f".{msgspec.json.decode(line, type=HeldOut).voice}" for line in read_questions([]))
 
 
 def control_table() -> str:
@@ -36,12 +41,20 @@ def control_table() -> str:
     return results_table({**results, "rows": rows})
 
 
+def understanding_table() -> str:
+    """Return the rates over all voices; the results file has each voice too."""
+    results = json.loads(UNDERSTANDING.read_text())
+    rows = [row for row in results["rows"] if not row["case"].endswith(VOICES)]
+    return results_table({**results, "rows": rows})
+
+
 TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
     "control": (ROOT / "docs" / "how-to" / "benchmarks.md", control_table),
     "language": (
         ROOT / "docs" / "how-to" / "benchmarks.md",
         lambda: language_table(json.loads(LANGUAGE.read_text())),
     ),
+    "understanding": (ROOT / "docs" / "how-to" / "benchmarks.md", understanding_table),
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),
     "kinds": (SCENES, kinds_table),
