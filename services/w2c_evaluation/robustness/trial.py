@@ -10,6 +10,7 @@ from w2c.errors import ControlError
 from w2c.library import library
 from w2c.messages import PlaceGoal, ReleaseGoal
 from w2c_evaluation.closed_loop import ClosedLoop
+from w2c_evaluation.demo.operator import REACH_STANDOFF_M
 from w2c_evaluation.robustness import survival
 from w2c_evaluation.robustness.grid import Cause, Cell, Mode, Target, TrialResult
 from w2c_evaluation.robustness.survival import Trace
@@ -125,12 +126,13 @@ class Trial:
         """Play the trial. Returns why the controller refused a part of it, or ""."""
         self._wait(STAND_S)
         direction = np.array(self._target.direction)
-        radius = self._loop.controller.description.hand_radius[HAND_INDEX - 2]
+        # The hand stops this far before the goal's point; its frame shall be at the target.
+        off = self._loop.controller.description.hand_radius[HAND_INDEX - 2] + REACH_STANDOFF_M
         goal = PlaceGoal(
             goal_id="far",
             end_effector=HAND,
             task="reach",
-            point=np.array(self._target.point) + radius * direction,
+            point=np.array(self._target.point) + off * direction,
             normal=-direction,
         )
         refusal = self._loop.ask(goal)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fakes.chat_server import ChatServer, completion
@@ -181,6 +181,7 @@ keywords = st.sampled_from(KEYWORDS)
 kinds = st.sampled_from(["object", "array", "string", "integer", "number", "boolean", "null"])
 
 
+@settings(suppress_health_check=[HealthCheck.too_slow])  # the first draw builds its tables
 @given(
     st.dictionaries(keywords, json_values, max_size=5),
     st.none() | kinds,

@@ -109,7 +109,7 @@ def test_a_model_of_random_weights_says_nothing_else(
         temperature=1.0,
     )
     value = complete(shared_backend, request, Budget(RealClock(), 60.0)).value
-    assert value["object"] in said
+    assert value["object"] in " ".join(word for word in said.split() if word.strip(".'"))
     known = "|".join(map(re.escape, [*SCENE["symbols"], *SCENE["numbers"]]))
     assert re.sub(known, "", value["x"]).strip("-+*/() ") == ""
 
