@@ -32,6 +32,23 @@ def test_stop_shows_the_acknowledgement_and_resume_ends_it(
     assert page.get_by_role("button", name="Resume").is_hidden()
 
 
+def test_a_late_state_of_before_the_resume_is_not_shown_as_holding_again(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    page = open_page()
+    status = page.get_by_role("status", name="Stop status")
+    page.get_by_role("button", name="Stop").click()
+    status.get_by_text("holding (acknowledged at").wait_for()
+    world.robot.is_late = True
+    page.get_by_role("button", name="Resume").click()
+    status.get_by_text("resumed").wait_for()
+    page.wait_for_timeout(1000)
+    assert "resumed" in status.inner_text()
+    world.robot.is_late = False
+    world.robot.mode = "stopped"
+    status.get_by_text("holding (stopped)").wait_for()
+
+
 def test_a_stop_that_nobody_acknowledged_is_never_shown_as_done(
     world: ConsoleWorld, open_page: Open
 ) -> None:

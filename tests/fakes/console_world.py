@@ -137,6 +137,8 @@ class FakeRobot:
     mode: DriverMode = "tracking"
     stops: int = 0
     stamp_ns: int = 1_000_000_000
+    is_late: bool = False
+    """Whether its states are still those of before a resume"""
 
     def __post_init__(self) -> None:
         """Serve."""
@@ -145,7 +147,8 @@ class FakeRobot:
 
     def publish(self) -> None:
         """Publish the state."""
-        self.stamp_ns += 2_000_000
+        if not self.is_late:
+            self.stamp_ns += 2_000_000
         zero = np.zeros(2)
         state = RobotState(
             stamp_ns=self.stamp_ns,
@@ -160,7 +163,7 @@ class FakeRobot:
             imu_linear_acceleration=np.zeros(3),
             command=zero,
             command_tick=0,
-            mode=self.mode,
+            mode="stopped" if self.is_late else self.mode,
         )
         self.bus.publish(topics.ROBOT_STATE, state)
 

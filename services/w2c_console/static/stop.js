@@ -8,6 +8,8 @@ const STOP_MS = 5000;
 const RESUME_MS = 10_000;
 /** A state this much younger than the acknowledgement [ns] was surely made after it. */
 const SETTLE_NS = 100_000_000n;
+/** A state may come this much later than it was made [ns]; what is older is of another robot time. */
+const LATE_NS = 5_000_000_000n;
 
 /**
  * @typedef {{
@@ -23,6 +25,8 @@ export class Stop {
     this.underWay = 0;
     /** @type {bigint | null} robot time of the last acknowledgement [ns] */
     this.heldSince = null;
+    /** @type {bigint | null} robot time of the last resume [ns] */
+    this.resumedAt = null;
     byId("stop-form", HTMLFormElement).addEventListener("submit", (event) => {
       event.preventDefault();
       void this.stop();
@@ -73,6 +77,7 @@ export class Stop {
     try {
       const answer = await post("/api/resume", null, RESUME_MS);
       this.heldSince = null;
+      this.resumedAt = BigInt(answer.stamp);
       this.resumeButton.hidden = true;
       this.show("", `resumed (${answer.mode})`, "");
     } catch (error) {
@@ -90,7 +95,7 @@ export class Stop {
    * @param {{phase: string, stale: boolean, message: string} | null} controller
    */
   follow(robot, controller) {
-    if (robot === null || robot.stale || this.underWay > 0) return;
+    if (robot === null || robot.stale || this.underWay > 0 || this.isOfBeforeResume(robot)) return;
     if (controller !== null && !controller.stale && controller.phase === "held") {
       this.resumeButton.hidden = false;
       this.show("held", "holding (the controller)", controller.message);
@@ -101,6 +106,16 @@ export class Stop {
       this.resumeButton.hidden = true;
       this.show("", "", "");
     }
+  }
+
+  /**
+   * A state from before the resume may come after the answer to it: it would say "holding" once more.
+   * @param {{stamp: string}} robot
+   */
+  isOfBeforeResume(robot) {
+    if (this.resumedAt === null) return false;
+    const age = this.resumedAt - BigInt(robot.stamp);
+    return age >= 0n && age < LATE_NS;
   }
 
   /** @param {KeyboardEvent} event */
