@@ -7,7 +7,7 @@ import msgspec
 from w2c.config import ServiceConfig
 from w2c_dialogue.advice.veto import UncheckedVeto
 from w2c_dialogue.advice.wordlist import FRAGILE, VETOED
-from w2c_dialogue.prompts.sets import PromptSetName
+from w2c_dialogue.prompts.sets import AnswerForm, PromptSetName
 
 
 class DialogueConfig(ServiceConfig, frozen=True, kw_only=True):
@@ -15,6 +15,10 @@ class DialogueConfig(ServiceConfig, frozen=True, kw_only=True):
 
     prompts: PromptSetName = "embedded"
     """Prompt set: `embedded` for the model of this repository, `large` for any general model."""
+    answers: AnswerForm = "as_set"
+    """Form of the model's answers: `bound` = objects are words of the utterance, expressions hold
+    its numbers and symbols of the scene only; `free` = any phrase and any arithmetic; `as_set` =
+    bound for `embedded`, free for `large`."""
     seed: int = 0
     """Seed of the language model's answers."""
     model_timeout: Annotated[float, msgspec.Meta(gt=0, le=600)] = 30.0

@@ -35,7 +35,7 @@ from w2c_dialogue.frames import FrameStore
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.limbs import Limbs
 from w2c_dialogue.pipeline import Dialogue
-from w2c_dialogue.prompts.sets import PROMPT_SETS
+from w2c_dialogue.prompts.sets import make_prompts
 from w2c_dialogue.remote import RemoteServices
 
 _LOG = logging.getLogger("w2c.dialogue")
@@ -70,7 +70,7 @@ class DialogueNode:
             margin=config.veto_margin,
             unchecked=config.unchecked_veto,
         )
-        prompts = PROMPT_SETS[config.prompts]()
+        prompts = make_prompts(config.prompts, config.answers)
         limbs = Limbs(prompts)
         masked = MaskedPointing(
             self._guard, limbs, self._show_area, clock, budget_s=config.pointing_budget

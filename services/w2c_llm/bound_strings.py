@@ -25,8 +25,8 @@ MAX_LONGEST = 12
 MAX_SYMBOLS = 64
 MAX_SYMBOL = 40
 MAX_NUMBERS = 64
-TERMS = 4
-"""Of a sum or product"""
+TERMS = 5
+"""Of a sum or product: a point that takes four moves back"""
 _ENDS = ".,;:!?\"'()[]{}<>`*_~|\\/"
 _SPECIAL = frozenset("\\.+*?()|[]{}^$/-&~#")
 _SHORT_NUMBER = r"[0-9]{1,4}(\.[0-9]{1,2})?"

@@ -2,13 +2,16 @@
 
 The model is trained on exactly these texts (`w2c_dialogue.corpus`), so they need no explanation
 and no examples. It points at words by number, speaks of objects as A, B, C and of quantities by
-symbol: numbers are copied, never computed. See `w2c_dialogue.expressions` for the symbols.
+symbol: numbers are copied, never computed. See `w2c_dialogue.expressions` for the symbols. A bound
+answer has no symbol and no number that the scene and the utterance do not have.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from w2c.errors import ModelError
 from w2c.messages import Box, ChatMessage
+from w2c_dialogue.expressions import correction_symbols, object_symbols
 from w2c_dialogue.prompts.base import (
     EFFECTORS,
     MODULES,
@@ -21,6 +24,7 @@ from w2c_dialogue.prompts.base import (
     TaskName,
     schema_of,
 )
+from w2c_dialogue.prompts.bound import arithmetic_of, numbers_of
 from w2c_dialogue.utterance import LETTERS, Mention, Span, Utterance
 
 IMAGE_WIDTH = 1280.0
@@ -29,6 +33,8 @@ MAX_ENUM = 256
 """Longer lists are refused by the language service."""
 MAX_EXPRESSION = 60
 REMEMBERED_MOVES = 3
+NAMED_MOVES = 8
+"""How far back a bound expression may refer: with three objects, 56 of at most 64 symbols"""
 EXPRESSION_PATTERN = rf"^[a-z0-9.+*/()\[\]-]{{1,{MAX_EXPRESSION}}}$"
 """Grammar of the characters only; `expressions.evaluate` is the judge of the rest."""
 
@@ -37,6 +43,14 @@ class EmbeddedPrompts:
     """Questions for the model that is shipped with this repository."""
 
     name = "embedded"
+
+    def __init__(self, *, bound: bool = True) -> None:
+        """Prepare.
+
+        Args:
+            bound: Expressions have symbols of the scene and numbers of the utterance only.
+        """
+        self._bound = bound
 
     def select(self, utterance: Utterance) -> Question:
         """Ask which module an utterance is for."""
@@ -78,10 +92,10 @@ class EmbeddedPrompts:
         pixels_per_cm: float,
     ) -> Question:
         """Ask for a point relative to the objects. The scale is a symbol, so it is not shown."""
-        del pixels_per_cm
-        boxes = describe_boxes([o.box for o in objects])
-        content = f"{boxes}\n{utterance.with_letters([m.span for m in mentions])}"
-        return Question("relative", _messages("relative", content), 1, _point_schema())
+        boxes = [o.box for o in objects]
+        content = f"{describe_boxes(boxes)}\n{utterance.with_letters([m.span for m in mentions])}"
+        schema = self._point_schema(object_symbols(boxes, pixels_per_cm), utterance)
+        return Question("relative", _messages("relative", content), 1, schema)
 
     def correct(
         self, utterance: Utterance, mentions: Sequence[Mention], scene: CorrectionScene
@@ -91,7 +105,9 @@ class EmbeddedPrompts:
         if scene.objects:
             known += f", {describe_boxes([o.box for o in scene.objects])}"
         content = f"{known}\n{utterance.with_letters([m.span for m in mentions])}"
-        return Question("correct", _messages("correct", content), 1, _point_schema())
+        named = replace(scene, moves=scene.moves[-NAMED_MOVES:])
+        schema = self._point_schema(correction_symbols(named), utterance)
+        return Question("correct", _messages("correct", content), 1, schema)
 
     def effector(self, utterance: Utterance) -> Question:
         """Ask for end effector and task."""
@@ -102,6 +118,13 @@ class EmbeddedPrompts:
         return Question(
             "effector", _messages("effector", utterance.folded_text), 1, schema_of(properties)
         )
+
+    def _point_schema(self, symbols: Iterable[str], utterance: Utterance) -> dict[str, object]:
+        """Return the schema of two expressions."""
+        expression: dict[str, object] = {"type": "string", "pattern": EXPRESSION_PATTERN}
+        if self._bound:
+            expression = arithmetic_of(symbols, numbers_of(utterance))
+        return schema_of({"x": expression, "y": expression})
 
 
 def describe_boxes(boxes: Sequence[Box]) -> str:
@@ -170,8 +193,3 @@ def _numbers_up_to(count: int) -> str:
     tens, ones = divmod(count, 10)
     below = f"[1-{tens - 1}][0-9]|" if tens > 1 else ""
     return f"[1-9]|{below}{tens}[0-{ones}]"
-
-
-def _point_schema() -> dict[str, object]:
-    expression = {"type": "string", "pattern": EXPRESSION_PATTERN}
-    return schema_of({"x": expression, "y": expression})

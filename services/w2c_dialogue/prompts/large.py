@@ -23,15 +23,11 @@ from w2c_dialogue.prompts.base import (
     TaskName,
     schema_of,
 )
+from w2c_dialogue.prompts.bound import arithmetic_of, words_of
 from w2c_dialogue.utterance import LETTERS, Mention, Span, Utterance, fold
 
 _THOUGHT = {"type": "string", "maxLength": 300}
-_PHRASES = {
-    "type": "array",
-    "items": {"type": "string", "maxLength": 80},
-    "minItems": 0,
-    "maxItems": len(LETTERS),
-}
+_PHRASE = {"type": "string", "maxLength": 80}
 _EXPRESSION = {"type": "string", "pattern": "^[0-9.+*/() -]{1,100}$"}
 ARTICLES = frozenset({"the", "a", "an", "that", "this", "your", "my"})
 
@@ -40,6 +36,16 @@ class LargePrompts:
     """Questions for any instruction-following model."""
 
     name = "large"
+
+    def __init__(self, *, bound: bool = False) -> None:
+        """Prepare.
+
+        Args:
+            bound: Objects are named in words of the utterance, and expressions are arithmetic of
+                short numbers. Large models keep to the examples without, and may paraphrase.
+        """
+        self._bound = bound
+        self._expression = arithmetic_of((), None) if bound else _EXPRESSION
 
     def select(self, utterance: Utterance) -> Question:
         """Ask which module an utterance is for."""
@@ -50,12 +56,15 @@ class LargePrompts:
 
     def analyze(self, utterance: Utterance) -> Question:
         """Ask for the kind of position and the words of the objects."""
-        fields = {"position": {"type": "string", "enum": list(POSITIONS)}, "objects": _PHRASES}
+        fields = {
+            "position": {"type": "string", "enum": list(POSITIONS)},
+            "objects": self._phrases(utterance),
+        }
         return _question("analyze", texts.ANALYZE, texts.ANALYZE_EXAMPLES, utterance.text, fields)
 
     def objects(self, utterance: Utterance) -> Question:
         """Ask for the words of the objects in a correction."""
-        fields = {"objects": _PHRASES}
+        fields = {"objects": self._phrases(utterance)}
         return _question("objects", texts.OBJECTS, texts.OBJECTS_EXAMPLES, utterance.text, fields)
 
     def read_mention(self, value: str, utterance: Utterance) -> Mention:
@@ -84,7 +93,11 @@ class LargePrompts:
         del mentions
         lines = [_scale(pixels_per_cm), *map(_describe, objects), utterance.text]
         return _question(
-            "relative", texts.RELATIVE, texts.RELATIVE_EXAMPLES, "\n".join(lines), _point_fields()
+            "relative",
+            texts.RELATIVE,
+            texts.RELATIVE_EXAMPLES,
+            "\n".join(lines),
+            self._point_fields(),
         )
 
     def correct(
@@ -102,7 +115,7 @@ class LargePrompts:
             lines.append(f"The first point was [{scene.start[0]:.0f}, {scene.start[1]:.0f}].")
         lines += [f"Target is at [{scene.target[0]:.0f}, {scene.target[1]:.0f}].", utterance.text]
         return _question(
-            "correct", texts.CORRECT, texts.CORRECT_EXAMPLES, "\n".join(lines), _point_fields()
+            "correct", texts.CORRECT, texts.CORRECT_EXAMPLES, "\n".join(lines), self._point_fields()
         )
 
     def effector(self, utterance: Utterance) -> Question:
@@ -114,6 +127,13 @@ class LargePrompts:
         return _question(
             "effector", texts.EFFECTOR, texts.EFFECTOR_EXAMPLES, utterance.text, fields
         )
+
+    def _phrases(self, utterance: Utterance) -> dict[str, Any]:
+        phrase = words_of(utterance) if self._bound else _PHRASE
+        return {"type": "array", "items": phrase, "minItems": 0, "maxItems": len(LETTERS)}
+
+    def _point_fields(self) -> dict[str, Any]:
+        return {"x": self._expression, "y": self._expression}
 
 
 def _question(
@@ -146,7 +166,3 @@ def _describe(item: SceneObject) -> str:
     name = item.phrase[:1].upper() + item.phrase[1:]
     size = f"width={box.right - box.left:.0f} and height={box.bottom - box.top:.0f}"
     return f"{name} is at [{u:.0f}, {v:.0f}] with {size}."
-
-
-def _point_fields() -> dict[str, Any]:
-    return {"x": _EXPRESSION, "y": _EXPRESSION}

@@ -75,7 +75,7 @@ def test_a_phrase_has_no_more_words_than_allowed() -> None:
         ("moves[-1].du", False),
         ("axleft", False),
         ("((2))", False),
-        ("2+2+2+2+2", False),
+        ("2+2+2+2+2+2", False),
         ("2+", False),
         ("", False),
     ],
