@@ -110,7 +110,7 @@ class ProgramBuilder:
         releasing, pushing, lost = self._weighted
         if releasing != state.releasing or pushing != state.pushing or lost != state.lost:
             self._weigh_wrenches(state)
-        if True in state.pushing:
+        if True in state.pushing or True in state.releasing:
             self._aim(state)
         place_and_assemble(
             self._dt,
@@ -131,7 +131,7 @@ class ProgramBuilder:
         return self.program
 
     def _weigh_wrenches(self, state: DesiredState) -> None:
-        """Drive wrenches to zero: gently, and with all might those of a contact being released.
+        """Drive wrenches to zero: gently, and with all might to its goal that of a contact released.
 
         Where a contact was lost, faster than otherwise; legs and trunk are then as fast as arms.
         """
@@ -154,10 +154,23 @@ class ProgramBuilder:
         self._weighted = (list(state.releasing), list(state.pushing), list(state.lost))
 
     def _aim(self, state: DesiredState) -> None:
-        """Give contacts that push their goal: the commanded force along the normal, no other."""
+        """Give contacts that push or are released their goal.
+
+        Who pushes: the commanded force along the normal, no other. The wrench of who is released
+        shrinks as a whole, so that it stays where it is in its cone. Were each component to go to
+        zero as fast as it may, the tangential ones would be there first, and the moments that they
+        leave behind swing the robot at the full speed of its joints.
+        """
         for k, where in self.layout.slices.items():
-            if state.pushing[k] and not state.releasing[k]:
-                self._wrench_goal[where.start - self._nv + 2] = state.push_force[k]
+            start = where.start - self._nv
+            if state.releasing[k]:
+                normal = float(state.wrenches[k, 2])
+                step = self._dt * float(self._rates[start + 2])
+                share = max(0.0, 1.0 - step / normal) if normal > 0.0 else 0.0
+                goal = self._wrench_goal[start : where.stop - self._nv]
+                np.multiply(share, state.wrenches[k, : goal.size], out=goal)
+            elif state.pushing[k]:
+                self._wrench_goal[start + 2] = state.push_force[k]
 
     def _make_weights(self) -> tuple[Vector, Matrix]:
         """Return the weights of torques (nj,), and of positions and rotations (4, 2)."""

@@ -116,6 +116,22 @@ def test_a_foot_is_unloaded_lifted_put_down_and_loaded(retargeting: Retargeting)
     assert retargeting.loaded(0)
 
 
+def test_the_wrench_of_a_released_foot_shrinks_as_a_whole_and_no_joint_races(
+    retargeting: Retargeting,
+) -> None:
+    state = retargeting.state
+    push(retargeting, 40.0)
+    whole = state.wrenches[0].copy()
+    assert np.abs(whole[3:]).max() > 1.0
+    retargeting.release(0)
+    for _ in range(100):
+        assert retargeting.tick()
+        assert np.abs(state.velocity[6:]).max() < 0.1
+    share = state.wrenches[0, 2] / whole[2]
+    assert share == pytest.approx(1.0 - 60.0 * 100 * retargeting.dt / whole[2], abs=0.01)
+    np.testing.assert_allclose(state.wrenches[0], share * whole, atol=0.05)
+
+
 def test_the_last_foot_is_never_dropped(retargeting: Retargeting) -> None:
     retargeting.release(0)
     retargeting.release(1)
