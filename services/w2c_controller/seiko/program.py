@@ -131,7 +131,7 @@ class ProgramBuilder:
         return self.program
 
     def _weigh_wrenches(self, state: DesiredState) -> None:
-        """Drive wrenches to zero: gently, and with all might to its goal that of a contact released.
+        """Drive wrenches to their goals: gently, or with all might those pushing or released.
 
         Where a contact was lost, faster than otherwise; legs and trunk are then as fast as arms.
         """
