@@ -3,6 +3,9 @@
 States: nothing shown -> proposed -> confirmed (the robot moves) -> reached | in contact |
 abandoned -> nothing shown. A new prediction replaces the old target; each change of the point
 gives the target a new id, so that a confirmation always names the point that was seen.
+
+While the robot moves, a second target may be proposed: a correction of the one it moves to, or
+another place. The motion goes on to the confirmed target until the proposed one is confirmed.
 """
 
 from dataclasses import dataclass, field, replace
@@ -60,6 +63,14 @@ class Goal:
     task: Task
     since_ns: int
     """Clock time of the last sign of life [ns]"""
+    shown: Shown
+    """What was confirmed, with its history: a correction meanwhile starts from it"""
+    touching: bool = False
+    """The end effector has met the surface: to go elsewhere it lifts off first"""
+
+    def base(self) -> Shown:
+        """Return what a correction changes: the same limb goes on, for the same task."""
+        return replace(self.shown, effector=self.effector, task=self.task)
 
 
 @dataclass
@@ -70,6 +81,12 @@ class Conversation:
     shown: Shown | None = None
     goal: Goal | None = None
     _count: int = field(default=0)
+
+    def base(self) -> Shown | None:
+        """Return what a correction speaks of: the shown target, else the one that is moved to."""
+        if self.shown is not None or self.goal is None:
+            return self.shown
+        return self.goal.base()
 
     def propose(
         self,
@@ -105,6 +122,7 @@ class Conversation:
 
     def correct(
         self,
+        base: Shown,
         prediction: Prediction,
         scene: CorrectionScene,
         frame: Frame,
@@ -114,23 +132,25 @@ class Conversation:
         warnings: tuple[str, ...] = (),
         undo: bool = False,
     ) -> Target:
-        """Move the target that is at `scene.target`, and remember how. An undo forgets a move."""
-        shown = self.require_shown()
+        """Show the target of `base`, which is at `scene.target`, elsewhere, and remember how.
+
+        An undo forgets a move.
+        """
         target = self._target(
             prediction,
             frame,
-            instruction=shown.target.instruction,
+            instruction=base.target.instruction,
             lifted=lifted,
             warnings=warnings,
-            corrections=shown.target.corrections + 1,
+            corrections=base.target.corrections + 1,
         )
-        moves, instructions = shown.moves[:-1], shown.instructions[:-1]
+        moves, instructions = base.moves[:-1], base.instructions[:-1]
         if not undo:
             move = Move(prediction.u - scene.target[0], prediction.v - scene.target[1])
-            moves = (*shown.moves, move)[-MAX_MOVES:]
-            instructions = (*shown.instructions, said)[-MAX_MOVES:]
+            moves = (*base.moves, move)[-MAX_MOVES:]
+            instructions = (*base.instructions, said)[-MAX_MOVES:]
         self.shown = replace(
-            shown,
+            base,
             target=target,
             frame=frame,
             start=scene.start,
@@ -142,6 +162,12 @@ class Conversation:
 
     def require_shown(self) -> Shown:
         """Return what is shown. Raises RefusedError where nothing is."""
+        if self.shown is None and self.goal is not None:
+            limb = self.goal.effector.replace("_", " ")
+            raise RefusedError(
+                f"I am moving my {limb} to the target you confirmed already. Correct it, for "
+                "example: a bit to the left; or say stop."
+            )
         if self.shown is None:
             raise RefusedError(
                 "There is no target yet. Tell me where to put a hand, for example: lean on the "
@@ -180,9 +206,10 @@ class Conversation:
         return self.shown
 
     def confirm(self, goal_id: str, effector: EndEffector, task: Task, now_ns: int) -> Target:
-        """The controller took the shown target: it is not to be corrected any more."""
-        target = msgspec.structs.replace(self.require_shown().target, state="confirmed")
-        self.goal = Goal(goal_id, target, effector, task, now_ns)
+        """The controller took the shown target, instead of any that it moved to before."""
+        shown = self.require_shown()
+        target = msgspec.structs.replace(shown.target, state="confirmed")
+        self.goal = Goal(goal_id, target, effector, task, now_ns, shown)
         self.shown = None
         return target
 
@@ -197,7 +224,8 @@ class Conversation:
             self.goal = None
             state = "in_contact" if event.state == "loaded" else "reached"
             return goal, msgspec.structs.replace(goal.target, state=state)
-        self.goal = replace(goal, since_ns=now_ns)
+        touching = goal.touching or event.state == "touched"
+        self.goal = replace(goal, since_ns=now_ns, touching=touching)
         return None
 
     def abandon_shown(self, reason: str) -> Target:

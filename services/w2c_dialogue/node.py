@@ -201,13 +201,17 @@ class DialogueNode:
 
     def _publish(self, turn: Turn, cause: Received[Any] | None = None) -> Turn:
         inputs = [cause.as_input()] if cause else []
+        shown = self._dialogue.shown()
         if turn.target is not None:
             self._target = turn.target
             self._bus.publish(topics.TARGET, turn.target, inputs)
+            if shown is not None and shown.target is turn.target:
+                self._advisor.consider(shown)
+            elif shown is not None:
+                # What the robot did or gave up must not hide what waits for a yes.
+                self._target = shown.target
+                self._bus.publish(topics.TARGET, shown.target, inputs)
         self._bus.publish(topics.TURN, turn, inputs)
-        shown = self._dialogue.shown()
-        if turn.target is not None and shown is not None and shown.target is turn.target:
-            self._advisor.consider(shown)
         _LOG.info(
             "turn", extra={"module_name": turn.module, "ok": turn.ok, "seconds": turn.seconds}
         )

@@ -1,41 +1,39 @@
 """One turn of the conversation: words, a click or a yes in; a `Turn` out (paper, Fig. 2).
 
 Every failure is a turn with `ok=False` and a reply that says what to do. Nothing moves without a
-confirmation that names the target on the screen.
+confirmation that names the target on the screen, and a robot that moves turns nowhere else without
+one. Stop and cancel words need no model.
 """
 
 import threading
 from collections.abc import Callable
 
 from w2c.clock import Clock
-from w2c.errors import CallError, RefusedError, W2CError
+from w2c.errors import RefusedError, W2CError
 from w2c.messages import (
     ConfirmRequest,
     GoalEvent,
-    LiftReply,
     PointRequest,
     SayRequest,
     Target,
     Turn,
 )
-from w2c_dialogue import absolute, relative, replies
+from w2c_dialogue import replies
 from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.advice.pointing import MaskedPointing
-from w2c_dialogue.analyzer import analyze
+from w2c_dialogue.cancel_words import is_cancel
 from w2c_dialogue.confirming import Confirming
 from w2c_dialogue.conversation import Conversation, Goal, Shown
-from w2c_dialogue.corrector import correct
-from w2c_dialogue.frames import RESTARTED, FrameStore, pixels_per_cm
-from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
+from w2c_dialogue.frames import RESTARTED, FrameStore
+from w2c_dialogue.interfaces import Controller, Grounding, LanguageModel, Lift
 from w2c_dialogue.limbs import Limbs
-from w2c_dialogue.locating import locate
 from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.selector import select
-from w2c_dialogue.sight import Prediction
 from w2c_dialogue.steps import Services, Steps
 from w2c_dialogue.stop_words import is_stop
-from w2c_dialogue.utterance import Utterance, parse
+from w2c_dialogue.targeting import Targeting
+from w2c_dialogue.utterance import parse
 
 FRAME_WAIT_S = 0.5
 """A picture the operator saw, or its camera pose, may still be on its way [s]."""
@@ -70,17 +68,22 @@ class Dialogue:
         )
         self._prompts = prompts
         self._frames = frames
-        self._masked = masked
         self._clock = clock
         self._conversation = Conversation(prefix)
+        self._targeting = Targeting(self._conversation, prompts, frames, masked)
         self._confirming = Confirming(self._conversation, frames, guard, limbs, clock)
         self._turn = threading.Lock()
         self._stops = 0
 
     def say(self, request: SayRequest) -> Turn:
         """Answer an utterance."""
-        if is_stop(request.text):
+        cancels = is_cancel(request.text)
+        moves_only = self._conversation.goal is not None and self._conversation.shown is None
+        if is_stop(request.text) or (cancels and moves_only):
             return self._stop(request.text)
+        if cancels:
+            self._stops += 1  # A confirmation that is being made is not to move any more.
+            return self._take_turn(request.text, lambda _: self._cancel(request.text))
         return self._take_turn(request.text, lambda services: self._say(request, services))
 
     def confirm(self, request: ConfirmRequest) -> Turn:
@@ -129,19 +132,16 @@ class Dialogue:
         steps = Steps(self._clock)
         services = Services(self._model, self._grounding, self._lift, self._controller, steps)
         with self._turn:
-            if self._conversation.goal is not None:
-                outcome = Outcome("none", replies.moving(self._conversation.goal), ok=False)
-            else:
-                try:
-                    outcome = work(services)
-                except W2CError as error:
-                    outcome = Outcome("none", replies.failure(error, steps.latest), ok=False)
+            try:
+                outcome = work(services)
+            except W2CError as error:
+                outcome = Outcome("none", replies.failure(error, steps.latest), ok=False)
         return self._report(text, outcome, steps)
 
     def _say(self, request: SayRequest, services: Services) -> Outcome:
         utterance = parse(request.text)
-        shown = self._conversation.shown
-        selection = select(services, self._prompts, utterance, has_target=shown is not None)
+        base = self._conversation.base()
+        selection = select(services, self._prompts, utterance, has_target=base is not None)
         if selection.module == "confirmation" and not selection.sure:
             return Outcome(
                 "none",
@@ -152,100 +152,35 @@ class Dialogue:
         if selection.module == "confirmation":
             return self._confirm(request.target_id, services)
         frame = self._frames.find(request.frame_stamp_ns, request.robot_boot_id, FRAME_WAIT_S)
-        if selection.module == "correction" and shown is not None:
-            return self._correct(utterance, shown, frame, services)
-        return self._predict(utterance, frame, services)
-
-    def _predict(self, utterance: Utterance, frame: Frame, services: Services) -> Outcome:
-        analysis = analyze(services, self._prompts, utterance)
-        if not analysis.mentions:
-            raise RefusedError(
-                "I did not hear an object or a place in that, "
-                f"and there is {'a' if self._conversation.shown else 'no'} target to confirm or "
-                "correct. Name something in the picture, for example: lean on the table with "
-                "your right hand."
-            )
-        named = ""
-        if analysis.position == "absolute":
-            named = analysis.mentions[0].phrase
-            choose = self._rule(frame, utterance, services)
-            prediction = absolute.predict(services, frame, analysis.mentions[0], choose)
-        else:
-            scale = pixels_per_cm(None, frame.view)
-            prediction = relative.predict(
-                services,
-                self._prompts,
-                services,
-                frame,
-                utterance=utterance,
-                mentions=analysis.mentions,
-                pixels_per_cm=scale,
-            )
-        lifted, warnings = self._depth(prediction, frame, services)
-        target = self._conversation.propose(
-            prediction,
-            frame,
-            instruction=utterance.text,
-            lifted=lifted,
-            warnings=warnings,
-            named=named,
-        )
-        return Outcome(
-            f"prediction.{analysis.position}", replies.proposal(target, analysis.position), target
-        )
-
-    def _correct(
-        self, utterance: Utterance, shown: Shown, frame: Frame, services: Services
-    ) -> Outcome:
-        frame, scene = locate(shown, frame)
-        corrected = correct(
-            services, self._prompts, services, frame, utterance=utterance, scene=scene
-        )
-        lifted, warnings = self._depth(corrected.prediction, frame, services)
-        target = self._conversation.correct(
-            corrected.prediction,
-            scene,
-            frame,
-            said=utterance.text,
-            lifted=lifted,
-            warnings=warnings,
-            undo=corrected.undo,
-        )
-        du, dv = target.u - scene.target[0], target.v - scene.target[1]
-        return Outcome("correction", replies.correction(target, du, dv), target)
+        if selection.module == "correction" and base is not None:
+            return self._targeting.correct(utterance, base, frame, services)
+        return self._targeting.predict(utterance, frame, services)
 
     def _point(self, request: PointRequest, services: Services) -> Outcome:
         frame = self._frames.find(request.frame_stamp_ns, request.robot_boot_id, FRAME_WAIT_S)
-        if not (0 <= request.u <= frame.width and 0 <= request.v <= frame.height):
-            raise RefusedError(
-                f"({request.u:.0f}, {request.v:.0f}) is outside the picture of "
-                f"{frame.width}x{frame.height}."
-            )
-        shown = self._conversation.shown
-        instruction = shown.target.instruction if shown else ""
-        prediction = Prediction(request.u, request.v, ())
-        lifted, warnings = self._depth(prediction, frame, services)
-        target = self._conversation.propose(
-            prediction,
-            frame,
-            instruction=instruction,
-            lifted=lifted,
-            warnings=warnings,
-            effector=request.end_effector,
-            task=request.task,
-        )
-        return Outcome("point", replies.proposal(target, "point"), target)
+        return self._targeting.point(request, frame, services)
+
+    def _cancel(self, text: str) -> Outcome:
+        """Drop the target on the screen; a motion to another one goes on."""
+        if self._conversation.shown is None and self._conversation.goal is not None:
+            return self._hold(text)
+        if self._conversation.shown is None:
+            raise RefusedError("There is no target to forget. Nothing moves.")
+        target = self._conversation.abandon_shown("you took it back")
+        return Outcome("cancel", replies.dropped(self._conversation.goal), target)
 
     def _stop(self, text: str) -> Turn:
         """Hold the robot, whatever else goes on."""
         self._stops += 1
         steps = Steps(self._clock)
+        return self._report(text, self._hold(text), steps)
+
+    def _hold(self, text: str) -> Outcome:
         try:
-            outcome = Outcome("none", self._controller.stop(f"operator said '{text[:50]}'"))
+            return Outcome("none", self._controller.stop(f"operator said '{text[:50]}'"))
         except W2CError as error:
             reply = f"STOP WAS NOT ACKNOWLEDGED ({error}). Use the stop button of the robot."
-            outcome = Outcome("none", reply, ok=False)
-        return self._report(text, outcome, steps)
+            return Outcome("none", reply, ok=False)
 
     # --- helpers ---
 
@@ -254,32 +189,9 @@ class Dialogue:
         stops = self._stops
         return self._confirming.confirm(target_id, services, lambda: self._stops != stops)
 
-    def _rule(
-        self, frame: Frame, utterance: Utterance, services: Services
-    ) -> absolute.Choose | None:
-        """Return how a point on a thing is chosen; None: as grounding does."""
-        masked = self._masked
-        if masked is None:
-            return None
-        return lambda seen: masked.point(seen, frame, utterance.text, services)
-
-    def _depth(
-        self, prediction: Prediction, frame: Frame, services: Services
-    ) -> tuple[LiftReply | None, tuple[str, ...]]:
-        """Return the world point of a pixel, or why there is none: the target is shown anyway."""
-        try:
-            return services.lift(prediction.u, prediction.v, frame), ()
-        except RefusedError as error:
-            return None, (
-                f"I cannot tell how far away it is there ({error}): move the target a bit.",
-            )
-        except CallError as error:
-            return None, (f"Perception does not answer ({error}), so I cannot go there yet.",)
-
     def _ended(self, goal: Goal, target: Target) -> Turn:
-        outcome = Outcome(
-            "none", replies.arrived(goal, target), target, goal, ok=target.state != "abandoned"
-        )
+        reply = replies.arrived(goal, target, shown=self._conversation.shown is not None)
+        outcome = Outcome("none", reply, target, goal, ok=target.state != "abandoned")
         return self._report("", outcome, Steps(self._clock))
 
     def _report(self, text: str, outcome: Outcome, steps: Steps) -> Turn:

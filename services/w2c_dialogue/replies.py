@@ -64,30 +64,55 @@ def correction(target: Target, du: float, dv: float) -> str:
     return _with_warning(f"Moved {' and '.join(parts) or 'to the border of the picture'}.", target)
 
 
-def confirmed(effector: EndEffector, task: Task, *, assumed: bool, outlook: str = "") -> str:
-    """Return the answer to a yes; `outlook` is how it will end where that is not well."""
+def confirmed(
+    effector: EndEffector, task: Task, *, assumed: str, outlook: str = "", turns: bool = False
+) -> str:
+    """Return the answer to a yes.
+
+    Args:
+        effector: What goes there.
+        task: What for.
+        assumed: Why this limb, where none was named; "" = it was named.
+        outlook: How it will end where that is not well.
+        turns: It was on its way to another target.
+    """
     limb = effector.replace("_", " ")
     stands = effector in ("left_foot", "right_foot")
     verb = "step there" if stands else "lean on it" if task == "contact" else "reach for it"
-    side = f" You named no hand; I take the {limb}, which is on that side." if assumed else ""
-    return f"I {verb} with my {limb}.{outlook}{side} Say stop to hold."
+    side = f" You named no hand; I take the {limb}, {assumed}." if assumed else ""
+    turn = "turn to the new target and " if turns else ""
+    return f"I {turn}{verb} with my {limb}.{outlook}{side} Say stop to hold."
 
 
-def moving(goal: Goal) -> str:
-    """Return the answer to anything said while the robot moves."""
+def meanwhile(goal: Goal) -> str:
+    """Return what to know of a target that is shown while the robot moves to another."""
     limb = goal.effector.replace("_", " ")
-    return f"I am moving my {limb} to the target. Wait until I am there, or say stop."
+    if goal.touching:
+        return (
+            f" My {limb} touches at the old target already, and goes on there until you confirm; "
+            "then it lifts off first."
+        )
+    return f" Until you confirm, my {limb} goes on to the old target; say stop to hold."
 
 
-def arrived(goal: Goal, target: Target) -> str:
-    """Return what to say when a goal is over."""
+def dropped(goal: Goal | None) -> str:
+    """Return the answer to "never mind"; `goal`: the robot is on its way to another target."""
+    if goal is None:
+        return "I dropped the target; nothing moves. Tell me another place when you like."
     limb = goal.effector.replace("_", " ")
+    return f"I dropped the new target. My {limb} goes on to the old one; say stop to hold."
+
+
+def arrived(goal: Goal, target: Target, *, shown: bool) -> str:
+    """Return what to say when a goal is over; `shown`: another target waits for a yes."""
+    limb = goal.effector.replace("_", " ")
+    later = " The target on the screen is a new one: say yes to go there." if shown else ""
     if target.state == "in_contact":
-        return f"My {limb} is in contact and carries weight."
+        return f"My {limb} is in contact and carries weight.{later}"
     if target.state == "reached":
-        return f"My {limb} has reached the target."
+        return f"My {limb} has reached the target.{later}"
     reason = target.warning or "the controller ended the motion"
-    return f"I gave up on the target: {reason}. Name another place."
+    return f"I gave up on the target: {reason}.{later or ' Name another place.'}"
 
 
 def _with_warning(text: str, target: Target) -> str:

@@ -74,7 +74,7 @@ class Turn(Message, frozen=True, kw_only=True):
     stamp_ns: Stamp
     text: Text
     module: Name
-    """prediction.absolute, prediction.relative, correction, confirmation, point or none"""
+    """prediction.absolute, prediction.relative, correction, confirmation, point, cancel or none"""
     reply: Text
     """To the operator"""
     ok: bool

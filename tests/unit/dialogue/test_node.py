@@ -244,6 +244,29 @@ def test_say_and_confirm_over_the_bus(robot: Robot) -> None:
 
 
 @pytest.mark.usefixtures("node")
+def test_a_target_that_waits_for_a_yes_stays_on_the_screen_when_a_motion_ends(robot: Robot) -> None:
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    turn = robot.say("lean on the book")
+    assert turn.target is not None
+    goal_id = robot.confirm(turn.target.target_id).goal_id
+    waiting = robot.say("lean on the book").target
+    assert waiting is not None
+    targets = robot.buses["console"].queue(topics.TARGET)
+    robot.buses["controller"].publish(
+        topics.GOAL_EVENT,
+        GoalEvent(
+            stamp_ns=5, goal_id=goal_id, end_effector="right_hand", task="contact", state="loaded"
+        ),
+    )
+    told = [targets.receive(WAIT_S), targets.receive(WAIT_S)]
+    assert [(t.message.target_id, t.message.state) for t in told if t is not None] == [
+        (turn.target.target_id, "in_contact"),
+        (waiting.target_id, "proposed"),
+    ]
+
+
+@pytest.mark.usefixtures("node")
 def test_stop_reaches_the_driver_though_the_controller_serves_no_stop(robot: Robot) -> None:
     turn = robot.say("stop!")
     assert turn.ok
@@ -270,7 +293,7 @@ def test_a_goal_the_controller_forgot_is_given_up(robot: Robot, node: DialogueNo
     robot.status(goal_id)
     robot.clock.set(robot.clock.now_ns() + 60_000_000_000)
     node.check_goal()
-    assert "wait" in robot.say("lean on the book").reply.lower()
+    assert "goes on to the old target" in robot.say("lean on the book").reply
     robot.status("", "restarted")
     node.check_goal()
     replies: list[str] = []

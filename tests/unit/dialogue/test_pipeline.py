@@ -268,19 +268,6 @@ def test_no_hand_named_takes_the_one_on_that_side_and_says_so(u: float, hand: st
     assert "You named no hand" in turn.reply
 
 
-def test_while_the_robot_moves_only_stop_is_taken() -> None:
-    world = World(**first_words())
-    world.say(FIRST)
-    world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
-    asked = len(world.model.questions)
-    turn = world.say("a bit to the left")
-    assert not turn.ok
-    assert "say stop" in turn.reply
-    assert len(world.model.questions) == asked
-    assert world.say("Stop!").ok
-    assert len(world.controller.stops) == 1
-
-
 @pytest.mark.parametrize(
     ("state", "reason"), [("unreachable", "0.12 m short"), ("aborted", "stopped")]
 )
