@@ -1,15 +1,17 @@
 """Examples to padded tensors, neighbours in length together so that little is padding."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import torch
 
 from w2c_llm.train.tokenizer import EncodedExample
 
 _CHUNK_BATCHES = 50
 """How many batches are sorted together: enough for little padding, few enough to stay random."""
+CPU = torch.device("cpu")
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,9 @@ class Batch:
     """(examples, length) bool, where the target belongs to the answer"""
 
 
-def make_batch(examples: Sequence[EncodedExample], prompt_weight: float) -> Batch:
+def make_batch(
+    examples: Sequence[EncodedExample], prompt_weight: float, device: torch.device = CPU
+) -> Batch:
     """Pad examples to the longest of them."""
     length = max(len(example.tokens) for example in examples) - 1
     shape = (len(examples), length)
@@ -41,23 +45,49 @@ def make_batch(examples: Sequence[EncodedExample], prompt_weight: float) -> Batc
         weights[row, example.prompt_length - 1 : count] = 1.0
         answers[row, example.prompt_length - 1 : count] = True
     return Batch(
-        torch.from_numpy(tokens),
-        torch.from_numpy(targets),
-        torch.from_numpy(weights),
-        torch.from_numpy(answers),
+        torch.from_numpy(tokens).to(device),
+        torch.from_numpy(targets).to(device),
+        torch.from_numpy(weights).to(device),
+        torch.from_numpy(answers).to(device),
     )
 
 
-def shuffled_batches(
-    examples: Sequence[EncodedExample], size: int, prompt_weight: float, random: np.random.Generator
-) -> Iterator[Batch]:
-    """Yield one epoch: random chunks, sorted by length within, batches in random order."""
-    order = random.permutation(len(examples))
+@dataclass(frozen=True)
+class Mixture:
+    """Examples of the corpus, and others that make up a share of every epoch."""
+
+    examples: Sequence[EncodedExample]
+    """Those of the corpus first"""
+    order: npt.NDArray[np.int64]
+    """(n,) indices of one epoch before it is shuffled; others than the corpus' may repeat"""
+    lengths: npt.NDArray[np.int64]
+    """(examples,) tokens of each"""
+
+
+def mix(
+    corpus: Sequence[EncodedExample], others: Sequence[EncodedExample], share: float
+) -> Mixture:
+    """Return a mixture with this share of others, 0 < share < 1, repeated as often as it takes."""
+    order = np.arange(len(corpus), dtype=np.int64)
+    if others:
+        count = max(1, round(len(corpus) * share / (1.0 - share)))
+        order = np.append(order, len(corpus) + np.resize(np.arange(len(others)), count))
+    examples = [*corpus, *others]
+    return Mixture(examples, order, np.array([len(example.tokens) for example in examples]))
+
+
+def epoch_groups(mixture: Mixture, size: int, seed: int, epoch: int) -> list[npt.NDArray[np.int64]]:
+    """Return the batches of an epoch as indices: a function of nothing but the arguments.
+
+    Random chunks, sorted by length within, batches in random order.
+    """
+    random = np.random.default_rng((seed, epoch))
+    order = random.permutation(mixture.order)
     chunk = size * _CHUNK_BATCHES
+    groups: list[npt.NDArray[np.int64]] = []
     for start in range(0, len(order), chunk):
-        indices = sorted(
-            order[start : start + chunk], key=lambda index: len(examples[index].tokens)
-        )
-        groups = [indices[at : at + size] for at in range(0, len(indices), size)]
-        for group in random.permutation(len(groups)):
-            yield make_batch([examples[index] for index in groups[group]], prompt_weight)
+        indices = order[start : start + chunk]
+        indices = indices[np.argsort(mixture.lengths[indices], kind="stable")]
+        cut = [indices[at : at + size] for at in range(0, len(indices), size)]
+        groups += [cut[place] for place in random.permutation(len(cut))]
+    return groups

@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import gguf
 import numpy as np
@@ -11,9 +11,8 @@ import numpy.typing as npt
 from tokenizers import Tokenizer
 from transformers import Qwen2ForCausalLM
 
+from w2c_llm.train.plan import WeightsName
 from w2c_llm.train.tokenizer import CHAT_TEMPLATE, END, PAD, PRE_TOKENIZER, SPECIAL_TOKENS
-
-Weights = Literal["f32", "f16", "q8_0"]
 
 _TYPES = {
     "f32": (gguf.GGMLQuantizationType.F32, gguf.LlamaFileType.ALL_F32),
@@ -51,11 +50,15 @@ def export_gguf(
     network: Qwen2ForCausalLM,
     tokenizer: Tokenizer,
     card: Card,
-    weights: Weights = "q8_0",
+    weights: WeightsName = "q8_0",
 ) -> None:
-    """Write the model. The embedding serves as output layer too, so it is stored once."""
+    """Write the model, whole or not at all. Raises OSError.
+
+    The embedding serves as output layer too, so it is stored once.
+    """
     quantization, file_type = _TYPES[weights]
-    writer = gguf.GGUFWriter(path, "qwen2")
+    partial = path.with_suffix(".partial")
+    writer = gguf.GGUFWriter(partial, "qwen2")
     writer.add_name(card.name)
     writer.add_description(card.description)
     writer.add_license(card.license)
@@ -73,6 +76,7 @@ def export_gguf(
     writer.write_kv_data_to_file()
     writer.write_tensors_to_file()
     writer.close()
+    partial.replace(path)
 
 
 def _write_architecture(writer: gguf.GGUFWriter, config: Any) -> None:
@@ -106,18 +110,24 @@ def _write_tokenizer(writer: gguf.GGUFWriter, tokenizer: Tokenizer) -> None:
     writer.add_chat_template(CHAT_TEMPLATE)
 
 
+def tensor_names(layers: int) -> dict[str, str]:
+    """Return name of a weight in the network -> its name in the GGUF file."""
+    names = {
+        "model.embed_tokens.weight": "token_embd.weight",
+        "model.norm.weight": "output_norm.weight",
+    }
+    for layer in range(layers):
+        names |= {
+            f"model.layers.{layer}.{source}": f"blk.{layer}.{target}"
+            for source, target in _LAYER_TENSORS.items()
+        }
+    return names
+
+
 def _tensors(network: Qwen2ForCausalLM) -> list[tuple[str, npt.NDArray[np.float32]]]:
     """Return (name in GGUF, float32 array) of every weight."""
-    state = {
-        name: tensor.detach().float().cpu().numpy() for name, tensor in network.state_dict().items()
-    }
-    named = [
-        ("token_embd.weight", state["model.embed_tokens.weight"]),
-        ("output_norm.weight", state["model.norm.weight"]),
+    state = network.state_dict()
+    return [
+        (theirs, state[ours].detach().float().cpu().numpy())
+        for ours, theirs in tensor_names(network.config.num_hidden_layers).items()
     ]
-    for layer in range(network.config.num_hidden_layers):
-        named += [
-            (f"blk.{layer}.{target}", state[f"model.layers.{layer}.{source}"])
-            for source, target in _LAYER_TENSORS.items()
-        ]
-    return named

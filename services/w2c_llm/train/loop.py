@@ -1,18 +1,27 @@
-"""The training loop: AdamW, cosine schedule over a budget of time or steps, resumable."""
+"""The training loop: one pass over the data after another, until the time or the steps are spent.
+
+The order of the examples is a function of seed and epoch, and there is no dropout, so a run that is
+resumed does what it would have done. The learning rate follows the share of the budget that is
+spent: of wall time, which no two runs spend alike, or of steps, which all do.
+"""
 
 import math
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
 from transformers import Qwen2ForCausalLM
 
-from w2c_llm.train.batches import Batch, shuffled_batches
-from w2c_llm.train.tokenizer import EncodedExample
+from w2c.clock import Clock
+from w2c.errors import ModelError
+from w2c_llm.train.batches import Batch, Mixture, epoch_groups, make_batch
+from w2c_llm.train.device import CPU, Device
+from w2c_llm.train.optimizer import Optimizer
+
+_MOST_SKIPPED = 20
+"""Steps without a finite gradient, after which something is wrong with rate or data"""
 
 
 @dataclass(frozen=True)
@@ -20,19 +29,30 @@ class Recipe:
     """How to train."""
 
     minutes: float
-    """Wall time in all, over all resumptions; the schedule ends when it is spent"""
+    """Wall time of the run, over all resumptions, from its first preparations on"""
     steps: int | None = None
-    """Ends earlier, after so many steps; the schedule counts them instead of minutes"""
-    batch: int = 48
-    peak_rate: float = 2e-3
-    warm_up: float = 0.02
+    """Ends after so many steps instead; the schedule counts them, the minutes do not matter"""
+    batch: int = 96
+    peak_rate: float = 5e-3
+    warm_up: float = 0.03
     """Share of the budget in which the learning rate rises"""
     weight_decay: float = 0.05
     prompt_weight: float = 0.2
     """Weight of a token of the prompt in the loss; an answer's token has 1"""
+    prompt_share: float = 0.6
+    """Share of the budget in which prompts count: then the time goes to the answers alone"""
+    closing_s: float = 60.0
+    """Kept back from the minutes for scores and export, at most a tenth of them"""
     seed: int = 0
-    report_every: int = 500
-    """Steps between reports, each with a checkpoint"""
+    report_s: float = 120.0
+    """Time between reports"""
+    checkpoint_s: float = 240.0
+    """Time between checkpoints"""
+
+    @property
+    def last_s(self) -> float:
+        """Return when the last step is to end."""
+        return 60.0 * self.minutes - min(self.closing_s, 6.0 * self.minutes)
 
 
 @dataclass
@@ -41,14 +61,22 @@ class Progress:
 
     step: int = 0
     epoch: int = 0
+    batch: int = 0
+    """Batches of this epoch that are done"""
     examples: int = 0
     seconds: float = 0.0
+    """Wall time since the run's beginning, without what passed between its parts"""
+    began: float = 0.0
+    """`seconds` at the first step"""
+    skipped: int = 0
+    """Steps whose gradient was not finite"""
 
     def fraction(self, recipe: Recipe) -> float:
         """Return how much of the budget is spent, 0 to 1."""
         if recipe.steps is not None:
             return min(self.step / recipe.steps, 1.0)
-        return min(self.seconds / (60.0 * recipe.minutes), 1.0)
+        length = recipe.last_s - self.began
+        return min((self.seconds - self.began) / length, 1.0) if length > 0.0 else 1.0
 
 
 @dataclass(frozen=True)
@@ -60,6 +88,16 @@ class Report:
     rate: float
 
 
+@dataclass(frozen=True)
+class Listeners:
+    """Who is told what while the training goes on."""
+
+    report: Callable[[Report], None]
+    checkpoint: Callable[[], None]
+    stopped: Callable[[], bool] = lambda: False
+    """Asked after every step; True ends the training, to be resumed"""
+
+
 def learning_rate(recipe: Recipe, fraction: float) -> float:
     """Return the rate at a fraction of the budget: linear warm-up, then a cosine to a fiftieth."""
     if fraction < recipe.warm_up:
@@ -69,58 +107,87 @@ def learning_rate(recipe: Recipe, fraction: float) -> float:
 
 
 class Trainer:
-    """Owns network, optimizer and progress."""
+    """Owns network, optimizer and progress. `started_ns` is when the run began its preparations."""
 
-    def __init__(self, network: Qwen2ForCausalLM, recipe: Recipe) -> None:
+    def __init__(
+        self,
+        network: Qwen2ForCausalLM,
+        recipe: Recipe,
+        clock: Clock,
+        started_ns: int,
+        device: Device = CPU,
+    ) -> None:
         self.network = network
+        torch.nn.Module.to(network, device.torch_device)
         self.recipe = recipe
+        self.device = device
         self.progress = Progress()
-        matrices = [weight for weight in network.parameters() if weight.ndim > 1]
-        vectors = [weight for weight in network.parameters() if weight.ndim <= 1]
-        self._optimizer = torch.optim.AdamW(
-            [
-                {"params": matrices, "weight_decay": recipe.weight_decay},
-                {"params": vectors, "weight_decay": 0.0},
-            ],
-            lr=recipe.peak_rate,
-            betas=(0.9, 0.98),
-        )
+        self._optimizer = Optimizer(network, recipe.weight_decay)
+        self._clock = clock
+        self._started_ns = started_ns
+        self._earlier_s = 0.0
 
-    def save(self, path: Path) -> None:
-        """Write a checkpoint, whole or not at all."""
-        state: dict[str, Any] = {
+    def state(self) -> dict[str, Any]:
+        """Return what a checkpoint keeps."""
+        return {
             "network": self.network.state_dict(),
             "optimizer": self._optimizer.state_dict(),
-            "progress": vars(self.progress),
+            "progress": vars(self.progress).copy(),
         }
-        partial = path.with_suffix(".partial")
-        torch.save(state, partial)
-        partial.replace(path)
 
-    def restore(self, path: Path) -> None:
-        """Continue from a checkpoint."""
-        state = torch.load(path, weights_only=True)
+    def restore(self, state: dict[str, Any]) -> None:
+        """Continue from what a checkpoint kept."""
         self.network.load_state_dict(state["network"])
         self._optimizer.load_state_dict(state["optimizer"])
         self.progress = Progress(**state["progress"])
+        self._earlier_s = self.progress.seconds
 
-    def train(self, examples: Sequence[EncodedExample], report: Callable[[Report], None]) -> None:
-        """Train until the budget is spent. `report` is called now and then, and at the end."""
+    def train(self, mixture: Mixture, listeners: Listeners) -> bool:
+        """Train until the budget is spent; return whether it is.
+
+        Raises:
+            ModelError: gradients are not finite, again and again.
+        """
         self.network.train()
+        self._look_at_clock()
+        if self.progress.step == 0:
+            self.progress.began = self.progress.seconds
+        reported = saved = self.progress.seconds
         losses: list[float] = []
-        while self.progress.fraction(self.recipe) < 1.0:
-            # A resumed run draws an order of its own, or it would begin with what it has seen.
-            random = np.random.default_rng((self.recipe.seed, self.progress.examples))
-            for batch in shuffled_batches(
-                examples, self.recipe.batch, self.recipe.prompt_weight, random
-            ):
-                losses.append(self._step(batch))
-                if self.progress.step % self.recipe.report_every == 0:
-                    report(self._report(losses))
-                if self.progress.fraction(self.recipe) >= 1.0:
-                    break
+        for batch in self._batches(mixture):
+            losses.append(self._step(batch))
+            seconds = self._look_at_clock()
+            if seconds - reported >= self.recipe.report_s:
+                listeners.report(self._report(losses))
+                reported = seconds
+            if seconds - saved >= self.recipe.checkpoint_s:
+                listeners.checkpoint()
+                saved = seconds
+            if listeners.stopped():
+                break
+        listeners.checkpoint()
+        listeners.report(self._report(losses))
+        return self.progress.fraction(self.recipe) >= 1.0
+
+    def _batches(self, mixture: Mixture) -> Iterator[Batch]:
+        """Yield the batches that are left of the budget, and keep count."""
+        while True:
+            groups = epoch_groups(mixture, self.recipe.batch, self.recipe.seed, self.progress.epoch)
+            while self.progress.batch < len(groups):
+                fraction = self.progress.fraction(self.recipe)
+                if fraction >= 1.0:
+                    return
+                prompts = self.recipe.prompt_weight if fraction < self.recipe.prompt_share else 0.0
+                examples = [mixture.examples[index] for index in groups[self.progress.batch]]
+                self.progress.batch += 1
+                yield make_batch(examples, prompts, self.device.torch_device)
             self.progress.epoch += 1
-        report(self._report(losses))
+            self.progress.batch = 0
+
+    def _look_at_clock(self) -> float:
+        passed_s = (self._clock.now_ns() - self._started_ns) * 1e-9
+        self.progress.seconds = self._earlier_s + passed_s
+        return self.progress.seconds
 
     def _report(self, losses: list[float]) -> Report:
         mean = float(np.mean(losses)) if losses else math.nan
@@ -131,32 +198,42 @@ class Trainer:
 
     def _step(self, batch: Batch) -> float:
         """Take one step and return the loss."""
-        started = time.monotonic()
         rate = learning_rate(self.recipe, self.progress.fraction(self.recipe))
-        for group in self._optimizer.param_groups:
-            group["lr"] = rate
-        with torch.autocast("cpu", torch.bfloat16):
+        with self.device.autocast():
             loss = _weighted_loss(self.network, batch)
-        self._optimizer.zero_grad(set_to_none=True)
+        self._optimizer.clear()
         torch.autograd.backward(loss)
-        torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
-        self._optimizer.step()
+        norm = torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
+        if bool(torch.isfinite(norm)):
+            self._optimizer.step(rate)
+        else:
+            self._skip(rate)
         self.progress.step += 1
         self.progress.examples += len(batch.tokens)
-        self.progress.seconds += time.monotonic() - started
         return float(loss.detach())
+
+    def _skip(self, rate: float) -> None:
+        """Leave the weights as they are. Raises ModelError when that happens too often."""
+        self.progress.skipped += 1
+        if self.progress.skipped > _MOST_SKIPPED:
+            raise ModelError(
+                f"no finite gradient in {self.progress.skipped} of {self.progress.step + 1} steps, "
+                f"at a learning rate of {rate:.1e}: resume with a lower --rate"
+            )
 
 
 def _weighted_loss(network: Qwen2ForCausalLM, batch: Batch) -> torch.Tensor:
-    """Return the cross entropy, weighted by token.
+    """Return the mean loss of the tokens that count.
 
-    The output layer sees only the positions that count: with a vocabulary wider than the network it
+    The output layer sees only positions that count: with a vocabulary wider than the network it
     would be most of the work otherwise.
     """
-    chosen = batch.weights > 0.0
-    weights = batch.weights[chosen]
-    hidden = network.model(input_ids=batch.tokens).last_hidden_state[chosen]
+    chosen = batch.weights.flatten().nonzero().squeeze(1)
+    weights = batch.weights.flatten()[chosen]
+    hidden = network.model(input_ids=batch.tokens).last_hidden_state.flatten(0, 1)
     losses = torch.nn.functional.cross_entropy(
-        network.lm_head(hidden).float(), batch.targets[chosen], reduction="none"
+        network.lm_head(hidden.index_select(0, chosen)).float(),
+        batch.targets.flatten()[chosen],
+        reduction="none",
     )
     return (losses * weights).sum() / weights.sum()

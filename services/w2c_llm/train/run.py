@@ -1,152 +1,290 @@
-"""One training run: tokenizer, network, loop, score, export, and a check through llama.cpp."""
+"""One training run: data, tokenizer, network, loop, export, a check through llama.cpp, the card."""
 
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import torch
 from tokenizers import Tokenizer
 
+from w2c.clock import Clock, RealClock
 from w2c.errors import ConfigError
-from w2c_llm.train.corpus import Example, read_corpus
-from w2c_llm.train.export import Card, Weights, export_gguf
-from w2c_llm.train.loop import Recipe, Report, Trainer
+from w2c_llm.train import checkpoint
+from w2c_llm.train.batches import Mixture, mix
+from w2c_llm.train.card import CardFacts, format_card, machine, training_commit
+from w2c_llm.train.checkpoint import Checkpoint
+from w2c_llm.train.data import Source, digest, encode_source, read_dialogues, read_source
+from w2c_llm.train.device import Device, best_device
+from w2c_llm.train.export import Card, export_gguf
+from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
 from w2c_llm.train.network import NetworkSize, make_network
+from w2c_llm.train.origin import Origin, read_origin
+from w2c_llm.train.plan import Shape, TrainingPlan, TrainingResult
 from w2c_llm.train.scoring import exact_matches, match_rates
-from w2c_llm.train.tokenizer import EncodedExample, encode, train_tokenizer
+from w2c_llm.train.tokenizer import EncodedExample, train_tokenizer
 from w2c_llm.train.verification import verify_export
 
+CHECKPOINT = "checkpoint.pt"
 _SCORED_DURING_TRAINING = 200
 _TOKENIZER_EXAMPLES = 40_000
 """More than enough for the merges, and fast"""
+_LAYERS, _WIDTH, _FEED_FORWARD, _VOCABULARY = 6, 256, 768, 4096
+
+Log = Callable[[str], None]
 
 
-@dataclass(frozen=True)
-class TrainingPlan:
-    """Everything a run depends on."""
+class Run:
+    """A run from its preparations to the card. `clock` counts the minutes."""
 
-    corpus: Path
-    heldout: Path
-    output: Path
-    minutes: float = 40.0
-    steps: int | None = None
-    vocabulary: int = 2048
-    layers: int = 4
-    width: int = 256
-    feed_forward: int = 704
-    batch: int = 48
-    peak_rate: float = 2e-3
-    prompt_weight: float = 0.2
-    threads: int = 1
-    weights: Weights = "q8_0"
-    seed: int = 0
-    resume: bool = False
+    def __init__(
+        self,
+        plan: TrainingPlan,
+        log: Log,
+        clock: Clock | None = None,
+        device: Device | None = None,
+    ) -> None:
+        plan.check()
+        self._plan, self._log = plan, log
+        self._clock = clock or RealClock()
+        self._started_ns = self._clock.now_ns()
+        self._device = device or best_device()
+
+    def __call__(self, stopped: Callable[[], bool] = lambda: False) -> TrainingResult | None:
+        """Train, export, check, score. None when it was stopped: its checkpoint goes on.
+
+        Raises:
+            ConfigError: a file is missing or malformed, or there is nothing to resume.
+            ModelError: the training diverged, or the exported file does not behave as the network.
+            OSError: the model cannot be written.
+        """
+        torch.set_num_threads(self._plan.threads)
+        self._plan.output.mkdir(parents=True, exist_ok=True)
+        sources = self._sources()
+        corpus, held_out = sources[0], read_source(self._plan.heldout)
+        kept = self._kept(sources)
+        origin = self._origin(corpus, kept)
+        mixture = self._mixture(origin, sources)
+        encoded_held_out = self._encode(origin, held_out)
+        trainer = self._trainer(origin, kept)
+        parameters = sum(weight.numel() for weight in origin.network.parameters())
+        self._log(
+            f"{parameters / 1e6:.2f} M parameters, {len(mixture.order)} examples an epoch, "
+            f"{self._plan.threads} threads, {self._device.name}"
+            f"{', bfloat16' if self._device.bf16 else ''}"
+        )
+        glimpse = random.Random(0).sample(  # noqa: S311 - not a secret
+            encoded_held_out, min(_SCORED_DURING_TRAINING, len(encoded_held_out))
+        )
+        finished = trainer.train(
+            mixture,
+            Listeners(
+                lambda report: self._report(report, trainer, glimpse),
+                lambda: self._save(trainer, origin, sources),
+                stopped,
+            ),
+        )
+        if not finished:
+            self._log(f"stopped; go on with --resume ({self._checkpoint_path})")
+            return None
+        return self._finish(trainer, origin, (*sources, held_out), mixture, encoded_held_out)
+
+    @property
+    def _checkpoint_path(self) -> Path:
+        return self._plan.output / CHECKPOINT
+
+    def _sources(self) -> tuple[Source, ...]:
+        corpus = read_source(self._plan.corpus)
+        if self._plan.dialogues is None:
+            return (corpus,)
+        return corpus, read_dialogues(self._plan.dialogues, self._log)
+
+    def _identity(self, sources: Sequence[Source]) -> dict[str, str]:
+        """Return what must not change in a run that is resumed. Time and rate may."""
+        plan = self._plan
+        identity = {
+            "--corpus": sources[0].digest,
+            "--seed": str(plan.seed),
+            "--batch": str(plan.batch),
+            "--with": "nothing",
+            "--from": digest(plan.begin_with) if plan.begin_with else "nothing",
+        }
+        if plan.dialogues is not None:
+            identity["--with"] = f"{sources[1].digest}, a share of {plan.dialogues_share:g}"
+        return identity
+
+    def _kept(self, sources: Sequence[Source]) -> Checkpoint | None:
+        """Return the checkpoint of a run that is resumed."""
+        if not self._plan.resume:
+            return None
+        path = self._checkpoint_path
+        if not path.is_file():
+            raise ConfigError(f"nothing to resume: no {path}; start without --resume")
+        kept = checkpoint.load(path)
+        checkpoint.expect_same(path, kept, self._identity(sources))
+        return kept
+
+    def _origin(self, corpus: Source, kept: Checkpoint | None) -> Origin:
+        """Return network and tokenizer: of the run that is resumed, of `--from`, or new ones."""
+        plan, shape = self._plan, self._plan.shape
+        if kept is not None:
+            origin, source = read_origin(self._checkpoint_path), self._checkpoint_path
+        elif plan.begin_with is not None:
+            origin, source = read_origin(plan.begin_with), plan.begin_with
+        else:
+            tokenizer = self._new_tokenizer(corpus)
+            width = shape.width or _WIDTH
+            size = NetworkSize(
+                width,
+                shape.layers or _LAYERS,
+                width // 64,
+                shape.feed_forward or _FEED_FORWARD,
+            )
+            network = make_network(size, tokenizer.get_vocab_size(), plan.seed)
+            return Origin(network, tokenizer, size)
+        if kept is not None and (shape.vocabulary or 0) > origin.tokenizer.get_vocab_size():
+            shape = replace(shape, vocabulary=None)  # a small corpus has fewer tokens than allowed
+        _expect_shape(source, origin, shape)
+        return origin
+
+    def _new_tokenizer(self, corpus: Source) -> Tokenizer:
+        sample = random.Random(self._plan.seed).sample(  # noqa: S311 - not a secret
+            corpus.examples, min(_TOKENIZER_EXAMPLES, len(corpus.examples))
+        )
+        return train_tokenizer(sample, self._plan.shape.vocabulary or _VOCABULARY)
+
+    def _encode(self, origin: Origin, source: Source) -> list[EncodedExample]:
+        encoded = encode_source(origin.tokenizer, source, origin.size.context, self._log)
+        if not encoded:
+            raise ConfigError(f"{source.name} holds no example that fits into the context")
+        return encoded
+
+    def _mixture(self, origin: Origin, sources: Sequence[Source]) -> Mixture:
+        encoded = [self._encode(origin, source) for source in sources]
+        others = encoded[1] if len(encoded) > 1 else []
+        mixture = mix(encoded[0], others, self._plan.dialogues_share)
+        if others:
+            count = len(mixture.order) - len(encoded[0])
+            self._log(
+                f"{sources[1].name}: {count} of {len(mixture.order)} examples of an epoch "
+                f"({count / len(mixture.order):.0%}), each {count / len(others):.1f} times"
+            )
+        return mixture
+
+    def _trainer(self, origin: Origin, kept: Checkpoint | None) -> Trainer:
+        plan = self._plan
+        recipe = Recipe(
+            minutes=plan.minutes,
+            steps=plan.steps,
+            batch=plan.batch,
+            peak_rate=plan.rate,
+            prompt_weight=plan.prompt_weight,
+            seed=plan.seed,
+        )
+        trainer = Trainer(origin.network, recipe, self._clock, self._started_ns, self._device)
+        if kept is not None:
+            trainer.restore(kept.trainer)
+        return trainer
+
+    def _save(self, trainer: Trainer, origin: Origin, sources: Sequence[Source]) -> None:
+        """Write a checkpoint. Without room for it the training goes on, with the one before."""
+        content = Checkpoint(
+            self._identity(sources), asdict(origin.size), origin.tokenizer.to_str(), trainer.state()
+        )
+        try:
+            checkpoint.save(self._checkpoint_path, content)
+        except OSError as error:
+            self._log(f"no checkpoint written to {self._checkpoint_path}: {error.strerror}")
+
+    def _report(self, report: Report, trainer: Trainer, glimpse: Sequence[EncodedExample]) -> None:
+        progress = report.progress
+        rates = match_rates(glimpse, exact_matches(trainer.network, glimpse, self._device))
+        self._log(
+            f"{progress.seconds / 60:5.1f} min  step {progress.step}  "
+            f"examples {progress.examples}  rate {report.rate:.1e}  loss {report.loss:.4f}  "
+            f"{_format(rates)}" + (f"  skipped {progress.skipped}" if progress.skipped else "")
+        )
+
+    def _finish(
+        self,
+        trainer: Trainer,
+        origin: Origin,
+        sources: Sequence[Source],
+        mixture: Mixture,
+        held_out: Sequence[EncodedExample],
+    ) -> TrainingResult:
+        """Write the model first: whatever fails after, it is there."""
+        plan, progress = self._plan, trainer.progress
+        path = plan.output / "model.gguf"
+        description = f"trained on {progress.examples} examples, seed {plan.seed}"
+        card = Card("words2contact-language", description)
+        export_gguf(path, trainer.network, origin.tokenizer, card, plan.weights)
+        rates = match_rates(held_out, exact_matches(trainer.network, held_out, self._device))
+        self._log("held-out: " + _format(rates))
+        difference = verify_export(
+            path, trainer.network, origin.tokenizer, sources[-1].examples[:20]
+        )
+        size = origin.size
+        facts = CardFacts(
+            file=path.name,
+            shape=f"{size.layers} layers, width {size.width}, {size.heads} heads, "
+            f"feed-forward {size.feed_forward}",
+            parameters=sum(weight.numel() for weight in trainer.network.parameters()),
+            vocabulary=origin.tokenizer.get_vocab_size(),
+            context=size.context,
+            weights=plan.weights,
+            megabytes=path.stat().st_size / 1e6,
+            data=tuple(_describe(source) for source in sources),
+            origin=plan.begin_with.name if plan.begin_with else "random weights",
+            recipe=f"Muon and AdamW, cosine from {plan.rate:g}, batches of {plan.batch}",
+            examples_seen=progress.examples,
+            epochs=progress.examples / len(mixture.order),
+            steps=progress.step,
+            minutes=progress.seconds / 60.0,
+            budget=plan.budget,
+            seed=plan.seed,
+            threads=plan.threads,
+            processor=machine(self._device.name),
+            commit=training_commit(),
+            exact_match=rates,
+            largest_logit_difference=difference,
+        )
+        card_path = plan.output / "README.md"
+        card_path.write_text(format_card(facts))
+        return TrainingResult(
+            model_path=path,
+            card_path=card_path,
+            megabytes=facts.megabytes,
+            parameters=facts.parameters,
+            examples_seen=progress.examples,
+            steps=progress.step,
+            minutes=facts.minutes,
+            exact_match=rates,
+            largest_logit_difference=difference,
+            seed=plan.seed,
+        )
 
 
-@dataclass(frozen=True)
-class TrainingResult:
-    """What a run gave."""
-
-    model_path: Path
-    megabytes: float
-    parameters: int
-    examples_seen: int
-    exact_match: dict[str, tuple[int, int]]
-    """Task -> (exact matches, examples) on the held-out file"""
-    largest_logit_difference: float
-    """Between transformers and llama.cpp, on held-out prompts"""
-    seed: int
-
-
-def run(plan: TrainingPlan, log: Callable[[str], None]) -> TrainingResult:
-    """Train, score and export.
-
-    Raises:
-        ConfigError: a file is missing or malformed, or there is nothing to resume.
-        ModelError: the exported file does not behave like the network.
-    """
-    torch.set_num_threads(plan.threads)
-    plan.output.mkdir(parents=True, exist_ok=True)
-    training, heldout = read_corpus(plan.corpus), read_corpus(plan.heldout)
-    tokenizer = _tokenizer(plan, training)
-    size = NetworkSize(plan.width, plan.layers, max(1, plan.width // 64), plan.feed_forward)
-    encoded = _encode_all(tokenizer, training, size.context, log)
-    encoded_heldout = _encode_all(tokenizer, heldout, size.context, log)
-    network = make_network(size, tokenizer.get_vocab_size(), plan.seed)
-    trainer = Trainer(network, _recipe(plan))
-    checkpoint = plan.output / "checkpoint.pt"
-    if plan.resume:
-        if not checkpoint.is_file():
-            raise ConfigError(f"nothing to resume: no {checkpoint}; start without --resume")
-        trainer.restore(checkpoint)
-    parameters = sum(weight.numel() for weight in network.parameters())
-    log(f"{parameters / 1e6:.2f} M parameters, {len(encoded)} examples")
-    glimpse = random.Random(0).sample(encoded_heldout, min(_SCORED_DURING_TRAINING, len(heldout)))  # noqa: S311 - not a secret
-
-    def on_report(report: Report) -> None:
-        trainer.save(checkpoint)
-        rates = match_rates(glimpse, exact_matches(network, glimpse))
-        log(_line(report, rates))
-
-    trainer.train(encoded, on_report)
-    rates = match_rates(encoded_heldout, exact_matches(network, encoded_heldout))
-    log("held-out: " + _format(rates))
-    model_path = plan.output / "model.gguf"
-    card = Card("words2contact-language", f"trained on {trainer.progress.examples} examples")
-    export_gguf(model_path, network, tokenizer, card, plan.weights)
-    difference = verify_export(model_path, network, tokenizer, heldout[:20])
-    return TrainingResult(
-        model_path=model_path,
-        megabytes=model_path.stat().st_size / 1e6,
-        parameters=parameters,
-        examples_seen=trainer.progress.examples,
-        exact_match=rates,
-        largest_logit_difference=difference,
-        seed=plan.seed,
+def _expect_shape(path: Path, origin: Origin, wanted: Shape) -> None:
+    """Refuse flags that say another shape than the file's: its weights fit no other."""
+    found = Shape(
+        origin.size.layers,
+        origin.size.width,
+        origin.size.feed_forward,
+        origin.tokenizer.get_vocab_size(),
     )
+    for name, value in vars(wanted).items():
+        if value is not None and value != getattr(found, name):
+            flag = "--" + name.replace("_", "-")
+            raise ConfigError(
+                f"{flag} is {value}, {path} has {getattr(found, name)}: its weights and its "
+                f"tokenizer belong together; leave {flag} out"
+            )
 
 
-def _recipe(plan: TrainingPlan) -> Recipe:
-    return Recipe(
-        minutes=plan.minutes,
-        steps=plan.steps,
-        batch=plan.batch,
-        peak_rate=plan.peak_rate,
-        prompt_weight=plan.prompt_weight,
-        seed=plan.seed,
-    )
-
-
-def _tokenizer(plan: TrainingPlan, training: Sequence[Example]) -> Tokenizer:
-    """Return the tokenizer of the run; a resumed run must keep the one it began with."""
-    path = plan.output / "tokenizer.json"
-    if plan.resume and path.is_file():
-        return Tokenizer.from_file(str(path))
-    sample = random.Random(plan.seed).sample(  # noqa: S311 - not a secret
-        list(training), min(_TOKENIZER_EXAMPLES, len(training))
-    )
-    tokenizer = train_tokenizer(sample, plan.vocabulary)
-    tokenizer.save(str(path))
-    return tokenizer
-
-
-def _encode_all(
-    tokenizer: Tokenizer, examples: Sequence[Example], limit: int, log: Callable[[str], None]
-) -> list[EncodedExample]:
-    encoded = [encode(tokenizer, example) for example in examples]
-    short = [example for example in encoded if len(example.tokens) <= limit]
-    if len(short) < len(encoded):
-        log(f"{len(encoded) - len(short)} examples are longer than {limit} tokens and left out")
-    return short
-
-
-def _line(report: Report, rates: dict[str, tuple[int, int]]) -> str:
-    progress = report.progress
-    return (
-        f"{progress.seconds / 60:5.1f} min  step {progress.step}  examples {progress.examples}  "
-        f"rate {report.rate:.1e}  loss {report.loss:.4f}  {_format(rates)}"
-    )
+def _describe(source: Source) -> str:
+    counts = ", ".join(f"{task} {count}" for task, count in source.counts().items())
+    return f"`{source.name}` (SHA-256 `{source.digest}`), {len(source.examples)} examples: {counts}"
 
 
 def _format(rates: dict[str, tuple[int, int]]) -> str:

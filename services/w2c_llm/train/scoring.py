@@ -7,11 +7,15 @@ import torch
 from transformers import Qwen2ForCausalLM
 
 from w2c_llm.train.batches import make_batch
+from w2c_llm.train.device import CPU, Device
 from w2c_llm.train.tokenizer import EncodedExample
 
 
 def exact_matches(
-    network: Qwen2ForCausalLM, examples: Sequence[EncodedExample], size: int = 48
+    network: Qwen2ForCausalLM,
+    examples: Sequence[EncodedExample],
+    device: Device = CPU,
+    size: int = 48,
 ) -> list[bool]:
     """Return for each example whether greedy decoding would give exactly its answer.
 
@@ -23,8 +27,8 @@ def exact_matches(
     network.train(False)
     for start in range(0, len(order), size):
         indices = order[start : start + size]
-        batch = make_batch([examples[index] for index in indices], 0.0)
-        with torch.no_grad(), torch.autocast("cpu", torch.bfloat16):
+        batch = make_batch([examples[index] for index in indices], 0.0, device.torch_device)
+        with torch.no_grad(), device.autocast():
             best = network(input_ids=batch.tokens).logits.argmax(-1)
         right = ((best == batch.targets) | ~batch.answers).all(-1)
         for index, matched in zip(indices, right.tolist(), strict=True):

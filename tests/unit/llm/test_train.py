@@ -10,14 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tokenizers import Tokenizer
 
+from w2c.clock import RealClock
 from w2c.errors import ConfigError, ModelError
 from w2c_llm.llama_model import LlamaModel
-from w2c_llm.train import loop
-from w2c_llm.train.batches import make_batch, shuffled_batches
+from w2c_llm.train.batches import epoch_groups, make_batch, mix
+from w2c_llm.train.card import SCORES_BEGIN, SCORES_END
 from w2c_llm.train.commands import train
 from w2c_llm.train.corpus import Example, Turn, read_corpus
 from w2c_llm.train.export import Card, export_gguf
-from w2c_llm.train.loop import Recipe, Trainer, learning_rate
+from w2c_llm.train.loop import Listeners, Recipe, Trainer, learning_rate
 from w2c_llm.train.network import NetworkSize, make_network
 from w2c_llm.train.scoring import exact_matches, match_rates
 from w2c_llm.train.tokenizer import EncodedExample, encode, train_tokenizer
@@ -91,14 +92,26 @@ def test_the_loss_counts_the_answer_and_its_end_only(encoded: list[EncodedExampl
     batch = make_batch(encoded, prompt_weight=0.0)
     for row, one in enumerate(encoded):
         counted = batch.targets[row][batch.weights[row] > 0].tolist()
-        assert counted == one.tokens[one.prompt_length :]
+        assert counted == one.tokens[one.prompt_length :].tolist()
         assert batch.targets[row][batch.answers[row]].tolist() == counted
 
 
-def test_an_epoch_holds_every_example_once(encoded: list[EncodedExample]) -> None:
-    many = encoded * 31
-    batches = list(shuffled_batches(many, 5, 0.0, np.random.default_rng(0)))
-    assert sum(len(batch.tokens) for batch in batches) == len(many)
+def test_an_epoch_holds_every_example_once_in_an_order_of_its_own(
+    encoded: list[EncodedExample],
+) -> None:
+    mixture = mix(encoded * 31, [], 0.2)
+    first, second = (np.concatenate(epoch_groups(mixture, 5, 0, epoch)) for epoch in (0, 1))
+    assert sorted(first) == list(range(len(mixture.examples)))
+    assert sorted(second) == sorted(first)
+    assert list(second) != list(first)
+
+
+def test_others_make_up_their_share_of_an_epoch(encoded: list[EncodedExample]) -> None:
+    mixture = mix(encoded * 20, encoded[:3], 0.2)
+    order = np.concatenate(epoch_groups(mixture, 5, 0, 0))
+    others = order[order >= 80]
+    assert len(others) / len(order) == pytest.approx(0.2)
+    assert np.ptp(np.unique(others, return_counts=True)[1]) <= 1, "each about as often"
 
 
 def test_the_rate_rises_then_falls_to_a_fiftieth() -> None:
@@ -109,15 +122,18 @@ def test_the_rate_rises_then_falls_to_a_fiftieth() -> None:
     assert rates[-1] == pytest.approx(0.02)
 
 
+def quiet() -> Listeners:
+    return Listeners(report=lambda _: None, checkpoint=lambda: None)
+
+
 def test_a_network_learns_four_words_and_the_exported_file_knows_them(
     tokenizer: Tokenizer, encoded: list[EncodedExample], tmp_path: Path
 ) -> None:
     torch.set_num_threads(1)
     network = make_network(SIZE, tokenizer.get_vocab_size(), 0)
     assert not all(exact_matches(network, encoded))
-    Trainer(
-        network, Recipe(minutes=9.0, steps=80, batch=4, peak_rate=5e-3, prompt_weight=0.0)
-    ).train(encoded, lambda _: None)
+    recipe = Recipe(minutes=9.0, steps=80, batch=4, peak_rate=2e-2, prompt_weight=0.0)
+    assert Trainer(network, recipe, RealClock(), 0).train(mix(encoded, [], 0.2), quiet())
     matches = exact_matches(network, encoded)
     assert match_rates(encoded, matches) == {"all": (4, 4), "t": (4, 4)}
     path = tmp_path / "model.gguf"
@@ -126,24 +142,6 @@ def test_a_network_learns_four_words_and_the_exported_file_knows_them(
     other = make_network(SIZE, tokenizer.get_vocab_size(), 1)
     with pytest.raises(ModelError, match="logits differ"):
         verify_export(path, other, tokenizer, EXAMPLES)
-
-
-def test_a_resumed_training_continues_where_it_was(
-    tokenizer: Tokenizer, encoded: list[EncodedExample], tmp_path: Path
-) -> None:
-    recipe = Recipe(minutes=9.0, steps=6, batch=4)
-    first = Trainer(make_network(SIZE, tokenizer.get_vocab_size(), 0), recipe)
-    first.train(encoded, lambda _: None)
-    first.save(tmp_path / "checkpoint.pt")
-    second = Trainer(
-        make_network(SIZE, tokenizer.get_vocab_size(), 5), Recipe(minutes=9.0, steps=8, batch=4)
-    )
-    second.restore(tmp_path / "checkpoint.pt")
-    assert second.progress == first.progress
-    assert second.network.state_dict().keys() == first.network.state_dict().keys()
-    reports: list[loop.Report] = []
-    second.train(encoded, reports.append)
-    assert reports[-1].progress.step == 8
 
 
 def test_the_command_trains_scores_exports_and_resumes(tmp_path: Path) -> None:
@@ -158,11 +156,26 @@ def test_the_command_trains_scores_exports_and_resumes(tmp_path: Path) -> None:
     ]
     corpus.write_text("\n".join(map(json.dumps, lines)))
     flags = ["--corpus", str(corpus), "--heldout", str(corpus), "--out", str(tmp_path / "run")]
-    flags += ["--width", "64", "--layers", "1", "--feed-forward", "64", "--vocabulary", "300"]
-    assert train([*flags, "--steps", "2", "--resume"]) == 2, "nothing to resume yet"
-    assert train([*flags, "--steps", "2", "--json", str(tmp_path / "result.json")]) == 0
-    assert train([*flags, "--steps", "3", "--resume"]) == 0
+    shape = ["--width", "64", "--layers", "1", "--feed-forward", "64", "--vocabulary", "300"]
+    flags += ["--threads", "1"]
+    assert train([*flags, *shape, "--steps", "2", "--resume"]) == 2, "nothing to resume yet"
+    assert train([*flags, *shape, "--steps", "2", "--json", str(tmp_path / "result.json")]) == 0
+    assert train([*flags, "--steps", "3", "--resume"]) == 0, "the shape is that of the checkpoint"
+    assert train([*flags, "--steps", "3", "--resume", "--seed", "1"]) == 2, "another run"
     rows = json.loads((tmp_path / "result.json").read_text())["rows"]
-    assert {row["case"]: row["n"] for row in rows} == {"all": 4, "t": 4}
-    assert (tmp_path / "run" / "model.gguf").stat().st_size > 10_000
+    assert {row["case"]: row["n"] for row in rows} == {"all": 4, "t": 4, "run": 1}
+    model = tmp_path / "run" / "model.gguf"
+    assert model.stat().st_size > 10_000
+    card = (tmp_path / "run" / "README.md").read_text()
+    assert "`corpus.jsonl` (SHA-256" in card
+    assert SCORES_BEGIN in card
+    assert SCORES_END in card.partition(SCORES_BEGIN)[2]
+    flags[5] = str(tmp_path / "second")
+    assert train([*flags, "--from", str(model), "--steps", "1"]) == 0
+    assert train([*flags, "--from", str(model), "--steps", "1", "--layers", "2"]) == 2
     assert train(["--corpus", "no", "--heldout", "no", "--out", str(tmp_path / "x")]) == 2
+
+
+@pytest.mark.parametrize("flag", ["--minutes=0", "--batch=0", "--width=100", "--with-share=1"])
+def test_numbers_that_cannot_be_are_refused(flag: str, tmp_path: Path) -> None:
+    assert train(["--corpus", "no", "--heldout", "no", "--out", str(tmp_path), flag]) == 2
