@@ -8,31 +8,25 @@ from collections.abc import Callable
 from w2c.errors import RefusedError
 from w2c.messages import PhraseEvidence
 from w2c_dialogue.advice.pointing import Pointed
-from w2c_dialogue.interfaces import Frame, Grounding
+from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.prompts.base import SceneObject
-from w2c_dialogue.sight import Prediction, look, twin_warnings
-from w2c_dialogue.utterance import Mention
+from w2c_dialogue.sight import Prediction, unknown_warnings
 
 Choose = Callable[[PhraseEvidence], Pointed]
 """Another rule for the point on a thing that is seen"""
 
 
-def predict(
-    grounding: Grounding, frame: Frame, mention: Mention, choose: Choose | None = None
-) -> Prediction:
+def predict(seen: PhraseEvidence, frame: Frame, choose: Choose | None = None) -> Prediction:
     """Return where to touch the object.
 
     Args:
-        grounding: Looks for it.
+        seen: What grounding sees of it.
         frame: The picture.
-        mention: The object.
         choose: Chooses the point; None: grounding's own.
 
     Raises:
-        RefusedError: it is not seen.
-        CallError: grounding does not answer.
+        RefusedError: there is no point on it.
     """
-    seen = look(grounding, frame, [mention], "heatmaps")[0]
     if seen.point is None:
         raise RefusedError(f"I see '{seen.phrase}' but no point on it; point at it with a click.")
     pointed = choose(seen) if choose else Pointed(None)
@@ -42,5 +36,5 @@ def predict(
             f"'{seen.phrase}' was found at ({u:.0f}, {v:.0f}), outside the picture; say it again."
         )
     objects = (SceneObject(seen.phrase, seen.boxes[0]),) if seen.boxes else ()
-    warnings = twin_warnings([seen]) + ((pointed.warning,) if pointed.warning else ())
+    warnings = unknown_warnings([seen]) + ((pointed.warning,) if pointed.warning else ())
     return Prediction(u, v, objects, warnings)

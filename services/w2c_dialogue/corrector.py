@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from w2c.errors import RefusedError
-from w2c_dialogue.analyzer import objects_of_correction
+from w2c.messages import PhraseEvidence
 from w2c_dialogue.answers import PointAnswer, read
 from w2c_dialogue.expressions import (
     ImagePoint,
@@ -15,10 +15,10 @@ from w2c_dialogue.expressions import (
     correction_symbols,
     evaluate_point,
 )
-from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
+from w2c_dialogue.interfaces import Frame, LanguageModel
 from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
 from w2c_dialogue.relative import OUTSIDE
-from w2c_dialogue.sight import Prediction, look, scene_objects, twin_warnings
+from w2c_dialogue.sight import Prediction, scene_objects, unknown_warnings
 from w2c_dialogue.utterance import Mention, Utterance
 
 NOTICEABLE = 0.5
@@ -38,21 +38,30 @@ class CorrectedPoint:
 def correct(
     model: LanguageModel,
     prompts: PromptSet,
-    grounding: Grounding,
     frame: Frame,
     *,
     utterance: Utterance,
+    mentions: Sequence[Mention],
+    evidence: Sequence[PhraseEvidence],
     scene: CorrectionScene,
 ) -> CorrectedPoint:
-    """Return the corrected target. `scene.objects` is filled here, from the utterance.
+    """Return the corrected target. `scene.objects` is filled here, from the evidence.
+
+    Args:
+        model: Writes the arithmetic.
+        prompts: Of that model.
+        frame: The picture.
+        utterance: The correction.
+        mentions: Its words for objects, in order.
+        evidence: What grounding sees of each.
+        scene: The target and its history.
 
     Raises:
-        RefusedError: an object is not seen, there is no earlier move to speak of, or nothing is to
-        change. ModelError: the model's answer cannot be followed. CallError: a service does not
-        answer.
+        RefusedError: an object has no box, there is no earlier move to speak of, or nothing is to
+            change.
+        ModelError: the model's answer cannot be followed.
+        CallError: a service does not answer.
     """
-    mentions = objects_of_correction(model, prompts, utterance)
-    evidence = look(grounding, frame, mentions, "boxes") if mentions else []
     scene = replace(scene, objects=scene_objects(evidence))
     size = (frame.width, frame.height)
     point, undo = corrected_point(model, prompts, utterance, mentions, scene, size)
@@ -62,7 +71,7 @@ def correct(
             "The target stays where it is. Say where to move it, for example: a bit to the left; "
             "or name another place."
         )
-    warnings = twin_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
+    warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
     return CorrectedPoint(Prediction(point.u, point.v, scene.objects, warnings), undo)
 
 

@@ -87,6 +87,7 @@ class DialogueNode:
             masked=masked if config.masked_pointing else None,
             clock=clock,
             prefix=bus.boot_id[:6],
+            ask_margin=config.ask_margin,
         )
         checks = Checks(
             self._guard,

@@ -1,6 +1,6 @@
 """What a turn came to, and the goal that a confirmed target becomes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from w2c.errors import RefusedError
 from w2c.messages import EndEffector, PlaceGoal, Target, Task, Turn
@@ -16,6 +16,12 @@ class Outcome:
     target: Target | None = None
     goal: Goal | None = None
     ok: bool = True
+    options: tuple[str, ...] = ()
+    """What may be answered to a question"""
+
+    def with_reply(self, reply: str) -> "Outcome":
+        """Return the same, told in other words."""
+        return replace(self, reply=reply)
 
     def as_turn(self, stamp_ns: int, text: str, seconds: float, steps: dict[str, float]) -> Turn:
         """Return the message about it; `seconds` in all and in each step."""
@@ -25,6 +31,7 @@ class Outcome:
             module=self.module,
             reply=self.reply,
             ok=self.ok,
+            options=list(self.options),
             target=self.target,
             goal_id=self.goal.goal_id if self.goal else "",
             end_effector=self.goal.effector if self.goal else "",

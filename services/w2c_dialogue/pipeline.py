@@ -21,11 +21,12 @@ from w2c.messages import (
 from w2c_dialogue import replies
 from w2c_dialogue.advice.guard import Guard
 from w2c_dialogue.advice.pointing import MaskedPointing
+from w2c_dialogue.asking import Asking, which_module
 from w2c_dialogue.cancel_words import is_cancel
 from w2c_dialogue.confirming import Confirming
 from w2c_dialogue.conversation import Conversation, Goal, Shown
 from w2c_dialogue.frames import RESTARTED, FrameStore
-from w2c_dialogue.interfaces import Controller, Grounding, LanguageModel, Lift
+from w2c_dialogue.interfaces import Controller, Frame, Grounding, LanguageModel, Lift
 from w2c_dialogue.limbs import Limbs
 from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.prompts.base import PromptSet
@@ -33,7 +34,7 @@ from w2c_dialogue.selector import select
 from w2c_dialogue.steps import Services, Steps
 from w2c_dialogue.stop_words import is_stop
 from w2c_dialogue.targeting import Targeting
-from w2c_dialogue.utterance import parse
+from w2c_dialogue.utterance import Utterance, parse
 
 FRAME_WAIT_S = 0.5
 """A picture the operator saw, or its camera pose, may still be on its way [s]."""
@@ -59,6 +60,7 @@ class Dialogue:
         masked: MaskedPointing | None = None,
         clock: Clock,
         prefix: str,
+        ask_margin: float = 0.2,
     ) -> None:
         self._model, self._grounding, self._lift, self._controller = (
             model,
@@ -70,7 +72,9 @@ class Dialogue:
         self._frames = frames
         self._clock = clock
         self._conversation = Conversation(prefix)
-        self._targeting = Targeting(self._conversation, prompts, frames, masked)
+        self._asking = Asking()
+        self._ask_margin = ask_margin
+        self._targeting = Targeting(self._conversation, self._asking, prompts, frames, masked)
         self._confirming = Confirming(self._conversation, frames, guard, limbs, clock)
         self._turn = threading.Lock()
         self._stops = 0
@@ -78,8 +82,7 @@ class Dialogue:
     def say(self, request: SayRequest) -> Turn:
         """Answer an utterance."""
         cancels = is_cancel(request.text)
-        moves_only = self._conversation.goal is not None and self._conversation.shown is None
-        if is_stop(request.text) or (cancels and moves_only):
+        if is_stop(request.text) or (cancels and self._moves_only()):
             return self._stop(request.text)
         if cancels:
             self._stops += 1  # A confirmation that is being made is not to move any more.
@@ -132,17 +135,24 @@ class Dialogue:
         steps = Steps(self._clock)
         services = Services(self._model, self._grounding, self._lift, self._controller, steps)
         with self._turn:
+            asked = self._asking.pending
             try:
                 outcome = work(services)
             except W2CError as error:
                 outcome = Outcome("none", replies.failure(error, steps.latest), ok=False)
+            outcome = self._asking.settle(outcome, asked)
         return self._report(text, outcome, steps)
 
     def _say(self, request: SayRequest, services: Services) -> Outcome:
         utterance = parse(request.text)
-        base = self._conversation.base()
-        selection = select(services, self._prompts, utterance, has_target=base is not None)
-        if selection.module == "confirmation" and not selection.sure:
+        answered = self._asking.answer(utterance, services)
+        if answered is not None:
+            return answered
+        has_target = self._conversation.base() is not None
+        selection = select(services, self._prompts, utterance, has_target=has_target)
+        unsure = has_target and selection.margin < self._ask_margin
+        perhaps_yes = unsure and selection.next_best == "confirmation"
+        if perhaps_yes or (selection.module == "confirmation" and not selection.sure):
             return Outcome(
                 "none",
                 "Did you mean yes? Say 'yes, go there' or press Confirm; or tell me what to "
@@ -152,7 +162,20 @@ class Dialogue:
         if selection.module == "confirmation":
             return self._confirm(request.target_id, services)
         frame = self._frames.find(request.frame_stamp_ns, request.robot_boot_id, FRAME_WAIT_S)
-        if selection.module == "correction" and base is not None:
+        if unsure:
+            return self._asking.ask(
+                which_module(
+                    lambda choice, then: self._understand(choice == 1, utterance, frame, then)
+                )
+            )
+        return self._understand(selection.module == "correction", utterance, frame, services)
+
+    def _understand(
+        self, corrects: bool, utterance: Utterance, frame: Frame, services: Services
+    ) -> Outcome:
+        """Show what an instruction or a correction means."""
+        base = self._conversation.base()
+        if corrects and base is not None:
             return self._targeting.correct(utterance, base, frame, services)
         return self._targeting.predict(utterance, frame, services)
 
@@ -162,8 +185,10 @@ class Dialogue:
 
     def _cancel(self, text: str) -> Outcome:
         """Drop the target on the screen; a motion to another one goes on."""
-        if self._conversation.shown is None and self._conversation.goal is not None:
+        if self._moves_only():
             return self._hold(text)
+        if self._conversation.shown is None and self._asking.pending is not None:
+            return Outcome("cancel", replies.dropped(self._conversation.goal, question=True))
         if self._conversation.shown is None:
             raise RefusedError("There is no target to forget. Nothing moves.")
         target = self._conversation.abandon_shown("you took it back")
@@ -183,6 +208,11 @@ class Dialogue:
             return Outcome("none", reply, ok=False)
 
     # --- helpers ---
+
+    def _moves_only(self) -> bool:
+        """Say whether the motion is the only thing that could be taken back."""
+        waits = self._conversation.shown is not None or self._asking.pending is not None
+        return self._conversation.goal is not None and not waits
 
     def _confirm(self, target_id: str, services: Services) -> Outcome:
         """Set the robot in motion, unless somebody says stop meanwhile."""

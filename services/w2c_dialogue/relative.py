@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 
+from w2c.messages import PhraseEvidence
 from w2c_dialogue.answers import PointAnswer, read
 from w2c_dialogue.expressions import ImagePoint, evaluate_point, object_symbols
-from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
+from w2c_dialogue.interfaces import Frame, LanguageModel
 from w2c_dialogue.prompts.base import PromptSet, SceneObject
-from w2c_dialogue.sight import Prediction, look, scene_objects, twin_warnings
+from w2c_dialogue.sight import Prediction, scene_objects, unknown_warnings
 from w2c_dialogue.utterance import Mention, Utterance
 
 OUTSIDE = "That is outside the picture; I took the nearest point inside."
@@ -15,21 +16,29 @@ OUTSIDE = "That is outside the picture; I took the nearest point inside."
 def predict(
     model: LanguageModel,
     prompts: PromptSet,
-    grounding: Grounding,
     frame: Frame,
     *,
     utterance: Utterance,
     mentions: Sequence[Mention],
+    evidence: Sequence[PhraseEvidence],
     pixels_per_cm: float,
 ) -> Prediction:
     """Return the point that the words describe, by a model's arithmetic on the boxes.
 
+    Args:
+        model: Writes the arithmetic.
+        prompts: Of that model.
+        frame: The picture.
+        utterance: The instruction.
+        mentions: Its words for the objects, in order.
+        evidence: What grounding sees of each.
+        pixels_per_cm: Scale of the picture there.
+
     Raises:
-        RefusedError: an object is not seen.
+        RefusedError: an object has no box.
         ModelError: the model's arithmetic cannot be followed.
         CallError: a service does not answer.
     """
-    evidence = look(grounding, frame, mentions, "boxes")
     objects = scene_objects(evidence)
     point = relative_point(
         model,
@@ -40,7 +49,7 @@ def predict(
         pixels_per_cm=pixels_per_cm,
         size=(frame.width, frame.height),
     )
-    warnings = twin_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
+    warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
     return Prediction(point.u, point.v, objects, warnings)
 
 

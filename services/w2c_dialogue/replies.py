@@ -95,12 +95,18 @@ def meanwhile(goal: Goal) -> str:
     return f" Until you confirm, my {limb} goes on to the old target; say stop to hold."
 
 
-def dropped(goal: Goal | None) -> str:
-    """Return the answer to "never mind"; `goal`: the robot is on its way to another target."""
+def dropped(goal: Goal | None, *, question: bool = False) -> str:
+    """Return the answer to "never mind".
+
+    Args:
+        goal: The robot is on its way to another target; None: it is not.
+        question: A question was dropped, instead of a target.
+    """
+    what = "the question" if question else "the target"
     if goal is None:
-        return "I dropped the target; nothing moves. Tell me another place when you like."
+        return f"I dropped {what}; nothing moves. Tell me another place when you like."
     limb = goal.effector.replace("_", " ")
-    return f"I dropped the new target. My {limb} goes on to the old one; say stop to hold."
+    return f"I dropped {what}. My {limb} goes on to the one you confirmed; say stop to hold."
 
 
 def arrived(goal: Goal, target: Target, *, shown: bool) -> str:

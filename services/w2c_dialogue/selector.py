@@ -28,6 +28,20 @@ class Selection:
         """Say whether the choice may be acted upon without asking."""
         return self.probabilities.get(self.module, 0.0) >= SURE
 
+    @property
+    def margin(self) -> float:
+        """How much more probable it is than the next one, 0 to 1."""
+        return self.probabilities.get(self.module, 0.0) - self._second()[0]
+
+    @property
+    def next_best(self) -> str:
+        """The module that is the second most probable; "" = there is none."""
+        return self._second()[1]
+
+    def _second(self) -> tuple[float, str]:
+        others = [(p, name) for name, p in self.probabilities.items() if name != self.module]
+        return max(others, default=(0.0, ""))
+
 
 def log_prior(*, has_target: bool) -> dict[str, float]:
     """Return the paper's bias: without a target there is nothing to correct or to confirm."""

@@ -1,17 +1,24 @@
 """What the grounding service sees of the objects an utterance names."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import msgspec
+import numpy as np
+
 from w2c.errors import RefusedError
-from w2c.messages import Box, PhraseEvidence
+from w2c.messages import Array, Box, PhraseEvidence
 from w2c_dialogue.interfaces import Frame, Grounding
 from w2c_dialogue.prompts.base import SceneObject
-from w2c_dialogue.utterance import Mention
+from w2c_dialogue.utterance import Mention, fold
 
 TWIN_SCORE = 0.9
 """A second box of this share of the best score may be meant as well."""
+TWIN_AREA = 0.1
+"""A box of a smaller share of the best one's area is a speck or a bit of it, not a twin."""
+SMALL_WORDS = frozenset({"a", "an", "and", "at", "by", "in", "of", "on", "the", "to", "with"})
 
 
 @dataclass(frozen=True)
@@ -57,16 +64,68 @@ def scene_objects(evidence: Sequence[PhraseEvidence]) -> tuple[SceneObject, ...]
     return tuple(SceneObject(seen.phrase, seen.boxes[0]) for seen in evidence)
 
 
-def twin_warnings(evidence: Sequence[PhraseEvidence]) -> tuple[str, ...]:
-    """Say where two things fit a phrase equally well."""
+def twins(seen: PhraseEvidence) -> tuple[Box, ...]:
+    """Return the boxes that fit a phrase alike, best first, apart from each other."""
+    found: list[Box] = []
+    for box in seen.boxes:
+        best = seen.boxes[0]
+        alike = box.score >= TWIN_SCORE * best.score and _area(box) >= TWIN_AREA * _area(best)
+        if alike and not any(_overlap(box, known) for known in found):
+            found.append(box)
+    return tuple(found)
+
+
+def only(seen: PhraseEvidence, box: Box, size: tuple[int, int]) -> PhraseEvidence:
+    """Return the evidence of one of several things: what is outside its box is forgotten.
+
+    Args:
+        seen: Of all of them.
+        box: Of the one.
+        size: Width and height of the picture [px].
+    """
+    point, heatmap = seen.point, seen.heatmap
+    if heatmap is not None:
+        heatmap = _within(heatmap, box, size)
+    if point is None or not (box.left <= point[0] < box.right and box.top <= point[1] < box.bottom):
+        point = _hottest(heatmap, size) or _centre(box)
+    return msgspec.structs.replace(seen, boxes=[box], point=point, heatmap=heatmap)
+
+
+def unknown_warnings(evidence: Sequence[PhraseEvidence]) -> tuple[str, ...]:
+    """Say which words the vision model went without."""
     return tuple(
-        f"I see more than one '{seen.phrase}' and took the best match; say which one if it is the "
-        "wrong one."
+        f"I do not know {_quoted(seen.unknown_words)} and went by the rest of '{seen.phrase}'."
         for seen in evidence
-        if len(seen.boxes) > 1
-        and seen.boxes[1].score >= TWIN_SCORE * seen.boxes[0].score
-        and not _overlap(seen.boxes[0], seen.boxes[1])
+        if seen.unknown_words
     )
+
+
+def _within(heatmap: Array, box: Box, size: tuple[int, int]) -> Array:
+    """Return a heatmap (h, w) of a picture of a size, zero outside a box [px]."""
+    height, width = heatmap.shape
+    across, along = width / size[0], height / size[1]
+    rows = slice(int(box.top * along), math.ceil(box.bottom * along))
+    columns = slice(int(box.left * across), math.ceil(box.right * across))
+    kept = np.zeros_like(heatmap)
+    kept[rows, columns] = heatmap[rows, columns]
+    return kept
+
+
+def _hottest(heatmap: Array | None, size: tuple[int, int]) -> tuple[float, float] | None:
+    """Return the pixel of a picture of a size where a heatmap is highest; None: it is cold."""
+    if heatmap is None or not heatmap.any():
+        return None
+    row, column = np.unravel_index(int(heatmap.argmax()), heatmap.shape)
+    height, width = heatmap.shape
+    return (float(column) + 0.5) * size[0] / width, (float(row) + 0.5) * size[1] / height
+
+
+def _centre(box: Box) -> tuple[float, float]:
+    return 0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom)
+
+
+def _area(box: Box) -> float:
+    return (box.right - box.left) * (box.bottom - box.top)
 
 
 def _overlap(one: Box, other: Box) -> bool:
@@ -76,9 +135,18 @@ def _overlap(one: Box, other: Box) -> bool:
 
 
 def _not_found(phrase: str, seen: PhraseEvidence) -> str:
-    unknown = ", ".join(f"'{word}'" for word in seen.unknown_words[:3])
-    hint = f" I do not know the word {unknown}." if unknown else ""
+    hint = ""
+    if seen.unknown_words:
+        hint = f" I do not know {_quoted(seen.unknown_words)}."
+        unknown = {fold(word) for word in seen.unknown_words}
+        rest = [word for word in phrase.split() if fold(word) not in unknown]
+        if any(fold(word) not in SMALL_WORDS for word in rest):
+            hint += f" Without that it is '{' '.join(rest)}': try those words."
     return (
         f"I don't see a '{phrase}' in the picture.{hint} "
         "Describe it in other words (colour, shape), or point at it with a click."
     )
+
+
+def _quoted(words: Sequence[str]) -> str:
+    return f"the word{'s' * (len(words) > 1)} " + ", ".join(f"'{word}'" for word in words[:3])

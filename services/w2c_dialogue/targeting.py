@@ -3,34 +3,42 @@
 While the robot moves, a correction starts from the target it moves to, and keeps its limb.
 """
 
+from collections.abc import Callable
+
 from w2c.errors import CallError, RefusedError
-from w2c.messages import LiftReply, PointRequest
-from w2c_dialogue import absolute, relative, replies
+from w2c.messages import LiftReply, PhraseEvidence, PointRequest
+from w2c_dialogue import absolute, relative, replies, which
 from w2c_dialogue.advice.pointing import MaskedPointing
-from w2c_dialogue.analyzer import analyze
+from w2c_dialogue.analyzer import Analysis, analyze, objects_of_correction
+from w2c_dialogue.asking import Asking, which_thing
 from w2c_dialogue.conversation import Conversation, Shown
-from w2c_dialogue.corrector import correct
+from w2c_dialogue.corrector import CorrectedPoint, correct
 from w2c_dialogue.frames import RESTARTED, FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.locating import locate
 from w2c_dialogue.outcome import Outcome
-from w2c_dialogue.prompts.base import PromptSet
-from w2c_dialogue.sight import Prediction
+from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
+from w2c_dialogue.sight import Prediction, look, only, twins
 from w2c_dialogue.steps import Services
 from w2c_dialogue.utterance import Utterance
 
+Finish = Callable[[list[PhraseEvidence], Services], Outcome]
+"""Goes on with things of which each is one"""
+
 
 class Targeting:
-    """Proposes targets in one conversation."""
+    """Proposes targets in one conversation, and asks where words leave a choice."""
 
     def __init__(
         self,
         conversation: Conversation,
+        asking: Asking,
         prompts: PromptSet,
         frames: FrameStore,
         masked: MaskedPointing | None,
     ) -> None:
         self._conversation = conversation
+        self._asking = asking
         self._prompts = prompts
         self._frames = frames
         self._masked = masked
@@ -51,21 +59,39 @@ class Targeting:
                 "correct. Name something in the picture, for example: lean on the table with "
                 "your right hand."
             )
+        absolutely = analysis.position == "absolute"
+        mentions = analysis.mentions[:1] if absolutely else analysis.mentions
+        evidence = look(services, frame, mentions, "heatmaps" if absolutely else "boxes")
+        return self._settle(
+            evidence,
+            frame,
+            lambda settled, then: self._propose(analysis, utterance, frame, settled, then),
+            services,
+        )
+
+    def _propose(
+        self,
+        analysis: Analysis,
+        utterance: Utterance,
+        frame: Frame,
+        evidence: list[PhraseEvidence],
+        services: Services,
+    ) -> Outcome:
+        """Show the place that an analysed instruction names among things that are settled."""
         named = ""
         if analysis.position == "absolute":
             named = analysis.mentions[0].phrase
             choose = self._rule(frame, utterance, services)
-            prediction = absolute.predict(services, frame, analysis.mentions[0], choose)
+            prediction = absolute.predict(evidence[0], frame, choose)
         else:
-            scale = pixels_per_cm(None, frame.view)
             prediction = relative.predict(
                 services,
                 self._prompts,
-                services,
                 frame,
                 utterance=utterance,
                 mentions=analysis.mentions,
-                pixels_per_cm=scale,
+                evidence=evidence,
+                pixels_per_cm=pixels_per_cm(None, frame.view),
             )
         lifted, warnings = _depth(prediction, frame, services)
         target = self._conversation.propose(
@@ -99,9 +125,36 @@ class Targeting:
         if not self._frames.current(base.frame):
             raise RefusedError(RESTARTED)
         frame, scene = locate(base, frame)
-        corrected = correct(
-            services, self._prompts, services, frame, utterance=utterance, scene=scene
-        )
+        mentions = objects_of_correction(services, self._prompts, utterance)
+        evidence = look(services, frame, mentions, "boxes") if mentions else []
+
+        def move(settled: list[PhraseEvidence], then: Services) -> Outcome:
+            now = self._conversation.base()
+            if now is None or now.target.target_id != base.target.target_id:
+                raise RefusedError("The target changed meanwhile: say the correction again.")
+            corrected = correct(
+                then,
+                self._prompts,
+                frame,
+                utterance=utterance,
+                mentions=mentions,
+                evidence=settled,
+                scene=scene,
+            )
+            return self._move(utterance, base, corrected, scene, frame, then)
+
+        return self._settle(evidence, frame, move, services)
+
+    def _move(
+        self,
+        utterance: Utterance,
+        base: Shown,
+        corrected: CorrectedPoint,
+        scene: CorrectionScene,
+        frame: Frame,
+        services: Services,
+    ) -> Outcome:
+        """Show a target at its corrected place."""
         lifted, warnings = _depth(corrected.prediction, frame, services)
         target = self._conversation.correct(
             base,
@@ -137,6 +190,30 @@ class Targeting:
             task=request.task or (goal.task if goal else None),
         )
         return Outcome("point", replies.proposal(target, "point") + self._meanwhile(), target)
+
+    def _settle(
+        self, evidence: list[PhraseEvidence], frame: Frame, finish: Finish, services: Services
+    ) -> Outcome:
+        """Go on when each phrase means one thing; ask where nothing tells several apart."""
+        doubtful = next((i for i, seen in enumerate(evidence) if len(twins(seen)) > 1), None)
+        if doubtful is None:
+            return finish(evidence, services)
+        seen = evidence[doubtful]
+        boxes = twins(seen)
+
+        def take(choice: int, then: Services) -> Outcome:
+            settled = list(evidence)
+            settled[doubtful] = only(seen, boxes[choice], (frame.width, frame.height))
+            return self._settle(settled, frame, finish, then)
+
+        def answered(choice: int, then: Services) -> Outcome:
+            self._frames.find(frame.stamp_ns, frame.robot_boot_id)  # refuses one that is gone
+            return take(choice, then)
+
+        meant = which.read_phrase(seen.phrase, boxes)
+        if meant is not None:
+            return take(meant, services)
+        return self._asking.ask(which_thing(seen.phrase, boxes, answered))
 
     def _meanwhile(self) -> str:
         goal = self._conversation.goal

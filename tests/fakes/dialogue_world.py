@@ -36,10 +36,12 @@ class ScriptedModel:
         return self._next(question.task)
 
     def choose(self, question: Question, log_prior: Mapping[str, float]) -> Choice:
-        """Return the next option of the task: a word, or a word with its probability."""
+        """Return the next option: a word, a word with its probability, or all probabilities."""
         self.questions.append(question)
         self.priors.append(dict(log_prior))
         answer = self._next(question.task)
+        if isinstance(answer, dict):
+            return Choice(max(answer, key=answer.__getitem__), answer)
         option, probability = answer if isinstance(answer, tuple) else (answer, 0.99)
         return Choice(option, {option: probability})
 

@@ -74,11 +74,14 @@ class Turn(Message, frozen=True, kw_only=True):
     stamp_ns: Stamp
     text: Text
     module: Name
-    """prediction.absolute, prediction.relative, correction, confirmation, point, cancel or none"""
+    """prediction.absolute, prediction.relative, correction, confirmation, point, cancel, question
+    or none"""
     reply: Text
     """To the operator"""
     ok: bool
-    """False: nothing changed; the reply says why and what to do"""
+    """False: nothing changed; the reply says why and what to do, or asks"""
+    options: list[str] = []
+    """What may be answered where the reply is a question"""
     target: Target | None = None
     goal_id: str = ""
     end_effector: str = ""

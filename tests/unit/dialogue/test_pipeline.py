@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from support.conversing import CUP, FIRST, STAY, World, first_words
+from support.conversing import FIRST, STAY, World, first_words
 from w2c.errors import DeadlineError, ModelError, RefusedError, UnavailableError
 from w2c.messages import (
     ConfirmRequest,
@@ -125,21 +125,6 @@ def test_an_instruction_without_object_gets_a_question() -> None:
     turn = world.say("lean over there")
     assert not turn.ok
     assert "Name something" in turn.reply
-
-
-def test_two_equal_things_are_warned_about() -> None:
-    world = World(
-        analyze=[{"position": "relative", "objects": ["5-5"]}],
-        relative=[{"x": "a.left-0.5*a.width", "y": "a.v"}],
-    )
-    world.grounding.things["cup"] = [CUP, (100, 200, 160, 280)]
-    turn = world.say("hand left of the cup")
-    assert turn.ok
-    assert turn.module == "prediction.relative"
-    assert turn.target is not None
-    assert (turn.target.u, turn.target.v) == (870, 240)
-    assert "more than one 'cup'" in turn.target.warning
-    assert "more than one 'cup'" in turn.reply
 
 
 @pytest.mark.parametrize(

@@ -197,7 +197,7 @@ def test_never_mind_takes_back_the_newest_first_and_then_holds() -> None:
     world = MovingWorld()
     world.say("left")
     turn = world.say("never mind")
-    assert "goes on to the old one" in turn.reply
+    assert "goes on to the one you confirmed" in turn.reply
     assert not world.controller.stops
     assert world.say("never mind").ok
     assert len(world.controller.stops) == 1, "only the motion was left"
