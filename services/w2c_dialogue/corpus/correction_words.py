@@ -165,9 +165,7 @@ ONTO = names("""
 onto, on, on top of, to the center of, to the middle of, to, in the middle of, to the centre of, all
 the way to, right on, exactly on, over, up to
 """)
-EDGE_LEADS = names(
-    "to the, to the, on the, at the, onto the, towards the, closer to the, up to the"
-)
+EDGE_LEADS = names("to the, to the, on the, at the, onto the, towards the, up to the")
 LEVEL = names("""
 at the same height as, level with, to the height of, to the same level as, in line horizontally
 with, align horizontally with, as high as

@@ -11,7 +11,8 @@ from w2c_dialogue.corpus.things import names
 T = TypeVar("T")
 
 HELD_OUT_SHARE = 10
-"""One of so many entries of a list is never seen in training."""
+"""One of so many entries of a list is never seen in training, where an entry itself has no
+`held_out_share`."""
 SMALLEST_SPLIT = 20
 """Shorter lists are not split: they are grammar, not vocabulary."""
 FRESH_SHARE = 0.6
@@ -79,4 +80,5 @@ class Draw:
 def is_held_out(entry: object) -> bool:
     """Say whether an entry of a long list is kept from training."""
     text = str(entry).lower()
-    return text not in COMMON and zlib.crc32(text.encode()) % HELD_OUT_SHARE == 0
+    share = getattr(entry, "held_out_share", HELD_OUT_SHARE)
+    return text not in COMMON and zlib.crc32(text.encode()) % share == 0

@@ -22,7 +22,8 @@ from w2c_dialogue.prompts.base import MODULES, CorrectionScene, Move, Question, 
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
 from w2c_dialogue.utterance import Mention, Utterance
 
-PROMPTS = EmbeddedPrompts()
+PROMPTS = EmbeddedPrompts(bound=False)
+"""The same questions; the schemas of bound answers would take most of the time."""
 SHARES = (
     ("select", 0.13),
     ("analyze", 0.34),

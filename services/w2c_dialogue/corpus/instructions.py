@@ -38,7 +38,7 @@ LINKS = ("", "", "goes", "should be", "should go", "must be", "down")
 CONTACTS = names("contact, support contact, support, a contact, support point, contact point")
 ANY_HAND = names("""
 your hand, a hand, the hand, one hand, hand, one of your hands, a palm, your palm, an arm, your
-arm, it, either hand, any hand, some hand, your fist
+arm, either hand, any hand, some hand, your fist
 """)
 HANDS = (
     "hand",
@@ -93,7 +93,7 @@ class Instruction:
     task: str
 
 
-def _limb(draw: Draw) -> tuple[str, str]:
+def _limb(draw: Draw, *, feet: bool = True) -> tuple[str, str]:
     """Return the words for an end effector and its name."""
     roll = draw.uniform()
     if roll < 0.12:
@@ -101,7 +101,7 @@ def _limb(draw: Draw) -> tuple[str, str]:
     side = draw.pick(("left", "right"))
     if roll < 0.82:
         part, name = draw.pick(HANDS), "hand"
-    elif roll < 0.86:
+    elif roll < 0.86 or not feet:
         return draw.pick((f"your {side}", f"the {side} one", f"{side}")), f"{side}_hand"
     else:
         part, name = draw.pick(FEET), "foot"
@@ -141,8 +141,8 @@ def _contact(draw: Draw, location: str) -> tuple[str, str]:
 
 
 def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
-    """Return a template of an instruction to reach, and the end effector."""
-    limb, name = _limb(draw)
+    """Return a template of an instruction to reach, and the end effector: feet only stand."""
+    limb, name = _limb(draw, feet=False)
     tool = f"{draw.pick(WITH)} {limb}"
     comma = "," if draw.chance(0.3) else ""
     verb = draw.pick(REACH_OBJECT) if absolute else draw.pick(REACH_PLACE)
@@ -201,7 +201,7 @@ def _lead(draw: Draw, draft: Draft) -> None:
 
 VAGUE = names("""
 lean over there, put your right hand somewhere, reach forward, lean forward with your left hand,
-place your left hand over here, put it down, use your right hand, reach out with the left hand,
+place your left hand over here, use your right hand, reach out with the left hand,
 grab it, take it with the left hand, with your right hand please, lean, lean on something, put
 your hand on it, touch it, get that, place a contact, find a support, support yourself with your
 right hand, move your left hand, give me your hand, hello, hi robot, how are you, what do you see,

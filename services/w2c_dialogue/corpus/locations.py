@@ -25,11 +25,11 @@ class Location:
 
 LEFT = names("""
 left of, to the left of, on the left of, left from, to the left from, at the left of, to the left
-side of, left to, on the left hand side of, to the left-hand side of
+side of, on the left hand side of, to the left-hand side of
 """)
 RIGHT = tuple(text.replace("left", "right") for text in LEFT)
 BEHIND = names("""
-behind, in back of, above, beyond, farther away than, further back than, past, just past, at the
+behind, in back of, above, beyond, farther away than, further back than, past, at the
 rear of, higher than, up from, further than
 """)
 FRONT = names("""
@@ -181,6 +181,8 @@ def _edge(draw: Draw) -> Location:
         name = draw.pick(tuple(CORNERS))
         du, dv = CORNERS[name]
         words = draw.pick(("corner", "corner", "corner", "part", "quarter"))
+        if name.startswith(("far ", "near ")):
+            words = "corner"  # "the far left part" is all of the left
     lead = draw.pick(
         ("on the", "at the", "on the", "near the", "the", "towards the", "close to the")
     )

@@ -1,6 +1,7 @@
 """Noun phrases: the ways people name a thing, up to "the thing with the wooden handle"."""
 
 from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.more_things import RARER, compound, sounds_like_a_word
 from w2c_dialogue.corpus.things import (
     COLOURS,
     MATERIALS,
@@ -13,6 +14,7 @@ from w2c_dialogue.corpus.things import (
     SYLLABLES,
     THING_WORDS,
     THINGS,
+    WHICH,
 )
 
 ARTICLES = ("the", "the", "the", "the", "the", "the", "a", "that", "this", "your", "my", "the", "")
@@ -21,6 +23,8 @@ NESTED = ("of", "of the", "on the", "of that")
 
 def invented(draw: Draw) -> str:
     """Return a word nobody has heard."""
+    if draw.chance(0.6):
+        return sounds_like_a_word(draw)
     return "".join(draw.pick(SYLLABLES) for _ in range(2 + draw.below(3)))
 
 
@@ -33,11 +37,20 @@ def noun(draw: Draw, *, surface: bool) -> str:
                 f"{name} {draw.pick(('it', 'and', 'o', 'n', 'x', invented(draw)))} {invented(draw)}"
             )
         return f"{name} {draw.pick(THINGS)}" if draw.chance(0.6) else name
-    pool = SURFACES if draw.chance(0.7 if surface else 0.15) else THINGS
-    name = draw.pick(pool)
+    name = _common(draw, 0.6 if surface else 0.15)
     if draw.chance(0.05):
         name = f"{draw.pick(THINGS)} {name}"
     return name
+
+
+def _common(draw: Draw, surfaces: float) -> str:
+    """Return the name of a thing that there is; `surfaces`: how often of something to lean on."""
+    if draw.chance(surfaces):
+        return draw.pick(SURFACES)
+    roll = draw.uniform()
+    if roll < 0.3:
+        return draw.pick(RARER)
+    return compound(draw) if roll < 0.45 else draw.pick(THINGS)
 
 
 def _adjectives(draw: Draw) -> list[str]:
@@ -69,7 +82,7 @@ def _attribute(draw: Draw) -> str:
 
 def plain_phrase(draw: Draw, *, surface: bool = False) -> str:
     """Return a noun, most often alone, else with a colour, a material or a size."""
-    name = draw.pick(SURFACES if draw.chance(0.5 if surface else 0.15) else THINGS)
+    name = _common(draw, 0.5 if surface else 0.15)
     if draw.chance(0.65):
         return name
     return f"{draw.pick(draw.pick((COLOURS, COLOURS, MATERIALS, SIZES)))} {name}"
@@ -89,6 +102,8 @@ def phrase(draw: Draw, *, surface: bool = False) -> str:
     words = [*_adjectives(draw), noun(draw, surface=surface)]
     if draw.chance(0.06):
         words.append(_attribute(draw))
+    elif draw.chance(0.05):
+        words.append(draw.pick(WHICH))
     return " ".join(" ".join(words).split())
 
 

@@ -141,13 +141,19 @@ it, that looks soft, that looks sturdy
 """)
 
 PLACES = names("""
-on the table, on the shelf, on the floor, in front of you, on the left, on the right, in the
-corner, in the back, over there, in the middle, near the wall, by the window, behind the others,
-next to you, at the back, to your left, to your right, on top of the fridge, in the picture, on
-the desk, that you see, you can see, closest to you, farthest away, at the end of the table, on
-the counter
+on the table, on the shelf, on the floor, in front of you, over there, near the wall, by the
+window, on top of the fridge, in the picture, on the desk, that you see, you can see, on the
+counter, on the workbench, on the ground, in this room, here, on the cabinet
 """)
 """Where a thing stands: said beside its name, no part of it."""
+
+WHICH = names("""
+on the left, on the right, in the corner, in the back, in the middle, behind the others, at the
+back, to your left, to your right, closest to you, farthest away, nearest to you, furthest from
+you, in the front, in the front row, on your left, on your right, at the top, at the bottom, at the
+very end, that is on the left, that's on the right, which is closer, that is farther away
+""")
+"""Which one of several: a part of its name."""
 
 SYLLABLES = names("""
 ka, lo, mi, zen, tor, pel, vi, qua, dro, bri, sa, nu, fex, gli, jo, ran, ti, mo, chi, whe, stra,

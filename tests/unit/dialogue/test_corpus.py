@@ -15,8 +15,11 @@ from w2c_dialogue.answers import AnalysisAnswer, EffectorAnswer, ObjectsAnswer, 
 from w2c_dialogue.corpus import correction_words, corrections, locations, things
 from w2c_dialogue.corpus.draw import Draw, is_held_out
 from w2c_dialogue.corpus.generate import Example, examples
+from w2c_dialogue.corpus.more_things import sounds_like_a_word
+from w2c_dialogue.corpus.phrases import phrase
 from w2c_dialogue.expressions import correction_symbols, evaluate_point, object_symbols
 from w2c_dialogue.prompts.base import MODULES, CorrectionScene, Move, Question, SceneObject
+from w2c_dialogue.prompts.bound import numbers_of
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
 from w2c_dialogue.utterance import Utterance, parse
 
@@ -128,6 +131,36 @@ def test_expressions_give_points_with_the_symbols_of_their_scene(task: str) -> N
         assert facts
 
 
+@pytest.mark.parametrize("task", ["relative", "correct"])
+def test_numbers_of_answers_are_those_that_a_bound_answer_may_have(task: str) -> None:
+    for content, answer in of_task(task):
+        known = set(numbers_of(parse(content.split("\n")[1])))
+        value = json.loads(answer)
+        arithmetic = re.sub(r"moves\[-\d\]", "", f"{value['x']} {value['y']}")
+        # Three places are divided by their number.
+        found = set(re.findall(r"(?<!/)\b\d+(?:\.\d+)?", arithmetic))
+        assert found <= known, (content, answer)
+
+
+def test_a_foot_only_stands() -> None:
+    for content, answer in of_task("effector"):
+        value = json.loads(answer)
+        assert not (value["effector"].endswith("foot") and value["task"] == "reach"), content
+
+
+def test_what_tells_one_from_another_belongs_to_its_name_and_where_it_stands_does_not() -> None:
+    draw = Draw(np.random.default_rng(0), held_out=False)
+    inside = [" ".join(phrase(draw).split()) for _ in range(3000)]
+    assert any(text.endswith(" on the left") for text in inside)
+    assert not any(text.endswith(things.PLACES) for text in inside)
+
+
+def test_names_are_rarely_heard_twice() -> None:
+    draw = Draw(np.random.default_rng(0), held_out=False)
+    assert len({phrase(draw) for _ in range(1000)}) > 900
+    assert len({sounds_like_a_word(draw) for _ in range(1000)}) > 900
+
+
 @pytest.mark.parametrize(
     ("side", "du", "dv"), [("left", -1, 0), ("right", 1, 0), ("behind", 0, -1), ("front", 0, 1)]
 )
@@ -149,13 +182,17 @@ def test_beside_is_outside_the_box_on_the_side_that_is_said(side: str, du: int, 
 DIRECTIONS = {
     "left": (-1, 0),
     "leftwards": (-1, 0),
+    "leftward": (-1, 0),
     "right": (1, 0),
     "rightwards": (1, 0),
+    "rightward": (1, 0),
     "up": (0, -1),
     "upwards": (0, -1),
+    "upward": (0, -1),
     "higher": (0, -1),
     "down": (0, 1),
     "downwards": (0, 1),
+    "downward": (0, 1),
     "lower": (0, 1),
 }
 OTHER_WAYS = frozenset(
