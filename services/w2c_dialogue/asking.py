@@ -11,6 +11,7 @@ from w2c.messages import Box
 from w2c_dialogue import which
 from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.steps import Services
+from w2c_dialogue.trail import Trail
 from w2c_dialogue.utterance import Utterance
 
 NEW_PLACE = frozenset({"another", "different", "instruction", "new", "other", "place"})
@@ -27,6 +28,8 @@ class Asked:
     """Returns which option an utterance chooses; None: it is no answer"""
     go_on: Callable[[int, Services], Outcome]
     """Takes up what the question was about"""
+    trail: Trail
+    """What was found before it was asked"""
 
 
 class Asking:
@@ -48,7 +51,10 @@ class Asking:
         """
         asked = self.pending
         index = None if asked is None else asked.read(utterance)
-        return None if asked is None or index is None else asked.go_on(index, services)
+        if asked is None or index is None:
+            return None
+        services.trail.begin_with(asked.trail)
+        return asked.go_on(index, services)
 
     def settle(self, outcome: Outcome, before: Asked | None) -> Outcome:
         """Forget a question when the conversation went on; else say that it is still open.
@@ -65,7 +71,10 @@ class Asking:
 
 
 def which_thing(
-    phrase: str, boxes: Sequence[Box], go_on: Callable[[int, Services], Outcome]
+    phrase: str,
+    boxes: Sequence[Box],
+    services: Services,
+    go_on: Callable[[int, Services], Outcome],
 ) -> Asked:
     """Ask which of several things of one name is meant; `go_on` gets the index of its box."""
     names = which.names(boxes)
@@ -75,10 +84,11 @@ def which_thing(
         names,
         lambda utterance: which.read_answer(utterance.folded, phrase, boxes),
         go_on,
+        services.trail,
     )
 
 
-def which_module(go_on: Callable[[int, Services], Outcome]) -> Asked:
+def which_module(services: Services, go_on: Callable[[int, Services], Outcome]) -> Asked:
     """Ask whether words are a new instruction (0) or a correction (1)."""
     return Asked(
         "I am not sure: is that a new place, or a change of the target? Say 'new place' or "
@@ -86,6 +96,7 @@ def which_module(go_on: Callable[[int, Services], Outcome]) -> Asked:
         ("new place", "change"),
         _read_module,
         go_on,
+        services.trail,
     )
 
 

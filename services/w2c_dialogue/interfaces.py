@@ -45,6 +45,10 @@ class Choice:
 class LanguageModel(Protocol):
     """Answers questions. Errors are CallErrors."""
 
+    @property
+    def language_model(self) -> str:
+        """Name of the model that answered last; "" = none has."""
+
     def complete(self, question: Question) -> Any:
         """Return the decoded JSON; it may be anything, the reader validates."""
 
@@ -54,6 +58,10 @@ class LanguageModel(Protocol):
 
 class Grounding(Protocol):
     """Finds phrases in a picture."""
+
+    @property
+    def vision_model(self) -> str:
+        """Name of the model that looked last; "" = none has."""
 
     def ground(
         self, frame: Frame, phrases: Sequence[str], want: Literal["heatmaps", "boxes"]

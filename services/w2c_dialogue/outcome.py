@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from w2c.errors import RefusedError
-from w2c.messages import EndEffector, PlaceGoal, Target, Task, Turn
+from w2c.messages import EndEffector, Evidence, PlaceGoal, Target, Task, Turn
 from w2c_dialogue.conversation import Goal
 
 
@@ -23,8 +23,23 @@ class Outcome:
         """Return the same, told in other words."""
         return replace(self, reply=reply)
 
-    def as_turn(self, stamp_ns: int, text: str, seconds: float, steps: dict[str, float]) -> Turn:
-        """Return the message about it; `seconds` in all and in each step."""
+    def as_turn(
+        self,
+        stamp_ns: int,
+        text: str,
+        seconds: float,
+        steps: dict[str, float],
+        evidence: Evidence | None = None,
+    ) -> Turn:
+        """Return the message about it.
+
+        Args:
+            stamp_ns: Now.
+            text: What was said.
+            seconds: In all [s].
+            steps: In each step [s].
+            evidence: What it was made from.
+        """
         return Turn(
             stamp_ns=stamp_ns,
             text=text,
@@ -38,6 +53,7 @@ class Outcome:
             task=self.goal.task if self.goal else "",
             seconds=seconds,
             steps=steps,
+            evidence=evidence,
         )
 
 

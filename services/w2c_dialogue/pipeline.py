@@ -12,6 +12,7 @@ from w2c.clock import Clock
 from w2c.errors import RefusedError, W2CError
 from w2c.messages import (
     ConfirmRequest,
+    Evidence,
     GoalEvent,
     PointRequest,
     SayRequest,
@@ -141,7 +142,7 @@ class Dialogue:
             except W2CError as error:
                 outcome = Outcome("none", replies.failure(error, steps.latest), ok=False)
             outcome = self._asking.settle(outcome, asked)
-        return self._report(text, outcome, steps)
+        return self._report(text, outcome, steps, services.trail.evidence(self._prompts.name))
 
     def _say(self, request: SayRequest, services: Services) -> Outcome:
         utterance = parse(request.text)
@@ -165,7 +166,8 @@ class Dialogue:
         if unsure:
             return self._asking.ask(
                 which_module(
-                    lambda choice, then: self._understand(choice == 1, utterance, frame, then)
+                    services,
+                    lambda choice, then: self._understand(choice == 1, utterance, frame, then),
                 )
             )
         return self._understand(selection.module == "correction", utterance, frame, services)
@@ -224,5 +226,8 @@ class Dialogue:
         outcome = Outcome("none", reply, target, goal, ok=target.state != "abandoned")
         return self._report("", outcome, Steps(self._clock))
 
-    def _report(self, text: str, outcome: Outcome, steps: Steps) -> Turn:
-        return outcome.as_turn(self._clock.now_ns(), text, steps.total(), steps.seconds)
+    def _report(
+        self, text: str, outcome: Outcome, steps: Steps, evidence: Evidence | None = None
+    ) -> Turn:
+        now_ns = self._clock.now_ns()
+        return outcome.as_turn(now_ns, text, steps.total(), steps.seconds, evidence)

@@ -39,6 +39,10 @@ class RemoteServices:
         self._bus = bus
         self._seed = seed
         self._timeout_s = model_timeout_s
+        self.language_model = ""
+        """Name of the model that answered last"""
+        self.vision_model = ""
+        """Name of the model that looked last"""
 
     def complete(self, question: Question) -> Any:
         """Ask the language model for JSON."""
@@ -49,7 +53,9 @@ class RemoteServices:
             constant_messages=question.constant_messages,
             deadline=self._timeout_s,
         )
-        return self._bus.call(topics.COMPLETE, request, timeout_s=self._timeout_s).message.value
+        reply = self._bus.call(topics.COMPLETE, request, timeout_s=self._timeout_s).message
+        self.language_model = reply.model
+        return reply.value
 
     def choose(self, question: Question, log_prior: Mapping[str, float]) -> Choice:
         """Ask the language model for an option."""
@@ -61,6 +67,7 @@ class RemoteServices:
             deadline=self._timeout_s,
         )
         reply = self._bus.call(topics.CHOOSE, request, timeout_s=self._timeout_s).message
+        self.language_model = reply.model
         return Choice(reply.option, reply.probabilities)
 
     def ground(
@@ -121,9 +128,11 @@ class RemoteServices:
 
     def _ground(self, frame: Frame, request: GroundingRequest) -> GroundingReply:
         inputs = [frame.source] if frame.source else []
-        return self._bus.call(
+        reply = self._bus.call(
             topics.GROUND, request, timeout_s=self._timeout_s, inputs=inputs
         ).message
+        self.vision_model = reply.model
+        return reply
 
     def _stop_controller(self, request: StopRequest) -> str:
         try:

@@ -1,4 +1,4 @@
-"""Where the time of a turn goes, and at which step it failed: services behind a stopwatch."""
+"""Where the time of a turn goes, at which step it failed, and what was answered on the way."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,6 +16,7 @@ from w2c.messages import (
 )
 from w2c_dialogue.interfaces import Choice, Controller, Frame, Grounding, LanguageModel, Lift
 from w2c_dialogue.prompts.base import Question
+from w2c_dialogue.trail import Trail
 
 STEP_OF_TASK = {
     "select": "selector",
@@ -54,7 +55,7 @@ class Steps:
 
 
 class Services:
-    """The language model, grounding, lift and controller of one turn, timed."""
+    """The language model, grounding, lift and controller of one turn, timed and remembered."""
 
     def __init__(
         self,
@@ -71,28 +72,46 @@ class Services:
             controller,
         )
         self._steps = steps
+        self.trail = Trail()
+        """What they answered"""
 
     @property
     def steps(self) -> Steps:
         """The stopwatch."""
         return self._steps
 
+    @property
+    def language_model(self) -> str:
+        """Name of the model that answered last."""
+        return self._model.language_model
+
+    @property
+    def vision_model(self) -> str:
+        """Name of the model that looked last."""
+        return self._grounding.vision_model
+
     def complete(self, question: Question) -> Any:
         """Ask the language model for JSON."""
         with self._steps.measure(STEP_OF_TASK[question.task]):
-            return self._model.complete(question)
+            value = self._model.complete(question)
+        self.trail.wrote(question.task, value, self._model.language_model)
+        return value
 
     def choose(self, question: Question, log_prior: Mapping[str, float]) -> Choice:
         """Ask the language model for an option."""
         with self._steps.measure(STEP_OF_TASK[question.task]):
-            return self._model.choose(question, log_prior)
+            choice = self._model.choose(question, log_prior)
+        self.trail.chose(question.task, choice, self._model.language_model)
+        return choice
 
     def ground(
         self, frame: Frame, phrases: Sequence[str], want: Literal["heatmaps", "boxes"]
     ) -> list[PhraseEvidence]:
         """Look for phrases."""
         with self._steps.measure("grounding"):
-            return self._grounding.ground(frame, phrases, want)
+            evidence = self._grounding.ground(frame, phrases, want)
+        self.trail.saw(evidence, self._grounding.vision_model)
+        return evidence
 
     def lift(self, u: float, v: float, frame: Frame) -> LiftReply:
         """Find the depth of a pixel."""

@@ -155,6 +155,7 @@ class Targeting:
         services: Services,
     ) -> Outcome:
         """Show a target at its corrected place."""
+        services.trail.corrected_from = scene.target
         lifted, warnings = _depth(corrected.prediction, frame, services)
         target = self._conversation.correct(
             base,
@@ -213,7 +214,7 @@ class Targeting:
         meant = which.read_phrase(seen.phrase, boxes)
         if meant is not None:
             return take(meant, services)
-        return self._asking.ask(which_thing(seen.phrase, boxes, answered))
+        return self._asking.ask(which_thing(seen.phrase, boxes, services, answered))
 
     def _meanwhile(self) -> str:
         goal = self._conversation.goal

@@ -29,6 +29,7 @@ class ScriptedModel:
         self.answers = {task: list(queue) for task, queue in answers.items()}
         self.questions: list[Question] = []
         self.priors: list[dict[str, float]] = []
+        self.language_model = "scripted"
 
     def complete(self, question: Question) -> Any:
         """Return the next answer of the task."""
@@ -66,6 +67,7 @@ class KnownThings:
         self.asked: list[tuple[int, tuple[str, ...], str]] = []
         self.watched: list[tuple[int, tuple[str, ...]]] = []
         self.model = "fake"
+        self.vision_model = "known things"
         self.words: set[str] = set()
         """Words that are known, beside those of the things."""
 

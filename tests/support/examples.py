@@ -358,6 +358,7 @@ def all_examples() -> dict[str, m.Message]:
             end_effector="left_hand",
             task="reach",
         ),
+        *_evidence(),
         m.Turn(
             stamp_ns=1,
             text="yes",
@@ -370,6 +371,7 @@ def all_examples() -> dict[str, m.Message]:
             task="contact",
             seconds=0.2,
             steps={"selector": 0.1},
+            evidence=_evidence()[0],
         ),
         m.RecordRequest(path="x.mcap"),
         m.MarkRequest(text="here"),
@@ -378,3 +380,16 @@ def all_examples() -> dict[str, m.Message]:
         ),
     ]
     return {type(example).__name__: example for example in examples}
+
+
+def _evidence() -> tuple[m.Evidence, m.ModelAnswer, m.Sighting]:
+    answer = m.ModelAnswer(task="select", answer="yes", probabilities={"yes": 1.0}, model="toy")
+    sighting = m.Sighting(phrase="cup", found=True, score=0.9, boxes=[], unknown_words=["red"])
+    evidence = m.Evidence(
+        prompts="embedded",
+        answers=[answer],
+        sightings=[sighting],
+        vision_model="toy",
+        corrected_from=(1.0, 2.0),
+    )
+    return evidence, answer, sighting

@@ -50,8 +50,11 @@ from w2c.messages.control import (
 )
 from w2c.messages.conversation import (
     ConfirmRequest,
+    Evidence,
+    ModelAnswer,
     PointRequest,
     SayRequest,
+    Sighting,
     Target,
     Turn,
 )
@@ -111,6 +114,7 @@ __all__ = [
     "Empty",
     "EndEffector",
     "ErrorReply",
+    "Evidence",
     "FitnessVerdict",
     "GoalEvent",
     "GoalReply",
@@ -126,6 +130,7 @@ __all__ = [
     "LogRecord",
     "MarkRequest",
     "Message",
+    "ModelAnswer",
     "PhraseEvidence",
     "Picture",
     "PictureRequest",
@@ -150,6 +155,7 @@ __all__ = [
     "SafetyCause",
     "SafetyEvent",
     "SayRequest",
+    "Sighting",
     "StopReply",
     "StopRequest",
     "Target",

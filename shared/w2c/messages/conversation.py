@@ -68,6 +68,43 @@ class PointRequest(Message, frozen=True, kw_only=True):
     task: Task | None = None
 
 
+class ModelAnswer(Message, frozen=True, kw_only=True):
+    """What the language model answered to one question of a turn."""
+
+    task: Name
+    """select, analyze, objects, relative, correct or effector"""
+    answer: Text
+    """The JSON value, expressions as the model wrote them; of `select`, the option"""
+    probabilities: dict[str, float] = {}
+    """Of the options; of `select` only"""
+    model: str = ""
+
+
+class Sighting(Message, frozen=True, kw_only=True):
+    """What the vision model found of one phrase, without the heatmap."""
+
+    phrase: Name
+    found: bool
+    score: float
+    boxes: list[Box] = []
+    """Best first; the chosen one is among the target's"""
+    unknown_words: list[str] = []
+
+
+class Evidence(Message, frozen=True, kw_only=True):
+    """What a turn was made from. After a question, what was found before it, too."""
+
+    prompts: Name
+    """Prompt set"""
+    answers: list[ModelAnswer] = []
+    """In the order in which they were asked for"""
+    sightings: list[Sighting] = []
+    """In order of mention"""
+    vision_model: str = ""
+    corrected_from: tuple[float, float] | None = None
+    """Where the target was before a correction, in the picture of the turn (u, v) [px]"""
+
+
 class Turn(Message, frozen=True, kw_only=True):
     """One exchange: what was said, what was understood, what was answered."""
 
@@ -90,3 +127,5 @@ class Turn(Message, frozen=True, kw_only=True):
     """From the utterance to the answer [s]"""
     steps: dict[str, float] = {}
     """Where the time went [s]: selector, analyzer, grounding, relative, correction, lift ..."""
+    evidence: Evidence | None = None
+    """None where no model was asked"""

@@ -22,6 +22,8 @@ JAR = {"phrase": "the jar", "cx": 900, "cy": 320, "w": 50, "h": 80}
 class Model:
     """Answers by task; remembers what it was asked."""
 
+    language_model = "scripted"
+
     def __init__(self, **answers: Any) -> None:
         self.answers = answers
         self.asked: list[Question] = []

@@ -267,6 +267,16 @@ def test_a_target_that_waits_for_a_yes_stays_on_the_screen_when_a_motion_ends(ro
 
 
 @pytest.mark.usefixtures("node")
+def test_a_turn_names_the_models_that_answered(robot: Robot) -> None:
+    robot.show(100)
+    until(lambda: robot.say("lean on the book").ok)
+    evidence = robot.say("lean on the book").evidence
+    assert evidence is not None
+    assert {answer.model for answer in evidence.answers} == {"fake"}
+    assert evidence.vision_model == "fake"
+
+
+@pytest.mark.usefixtures("node")
 def test_stop_reaches_the_driver_though_the_controller_serves_no_stop(robot: Robot) -> None:
     turn = robot.say("stop!")
     assert turn.ok
