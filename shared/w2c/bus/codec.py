@@ -109,13 +109,23 @@ def _convert_unknown(expected: type, value: Any) -> Any:
 
 
 def encode_message(message: Message) -> bytes:
-    """Return the bytes of a message without an envelope."""
-    return bytes(msgpack.packb(message, default=_pack_default))
+    """Return the bytes of a message without an envelope. Raises MessageError."""
+    return _pack(message)
 
 
 def encode_envelope(envelope: Envelope) -> bytes:
-    """Return the bytes of an envelope with its message."""
-    return bytes(msgpack.packb(envelope, default=_pack_default))
+    """Return the bytes of an envelope with its message. Raises MessageError."""
+    return _pack(envelope)
+
+
+def _pack(value: Message | Envelope) -> bytes:
+    try:
+        return bytes(msgpack.packb(value, default=_pack_default))
+    except UnicodeEncodeError as error:
+        # What a terminal makes of bytes that are no UTF-8.
+        raise MessageError(
+            f"a text holds {error.object[error.start]!a}, which is no whole character; type it anew"
+        ) from error
 
 
 def _unpack(payload: bytes, limit: int) -> Any:

@@ -9,7 +9,6 @@ import pytest
 
 from w2c.messages import Box
 from w2c_dialogue.corpus import generate
-from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.expressions import correction_symbols, evaluate
 from w2c_dialogue.prompts.base import CorrectionScene, Move, PromptSet, Question, SceneObject
 from w2c_dialogue.prompts.bound import MOST_NUMBERS, numbers_of
@@ -101,22 +100,33 @@ def test_the_form_of_answers_can_be_switched() -> None:
     assert bound(make_prompts("large", "bound"))
 
 
+class Listening(EmbeddedPrompts):
+    """Keeps what is asked for arithmetic."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked: dict[str, Question] = {}
+
+    def relative(self, *arguments: Any) -> Question:
+        return self._keep(super().relative(*arguments))
+
+    def correct(self, *arguments: Any) -> Question:
+        return self._keep(super().correct(*arguments))
+
+    def _keep(self, question: Question) -> Question:
+        self.asked[question.messages[-1].content] = question
+        return question
+
+
 def test_every_answer_of_the_corpus_can_be_given(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the model is trained to write must not be forbidden when it is asked."""
-    asked: list[tuple[Question, str]] = []
-    plain = generate._example
-
-    def example(question: Question, answer: str) -> generate.Example:
-        asked.append((question, answer))
-        return plain(question, answer)
-
-    monkeypatch.setattr(generate, "_example", example)
-    draw = Draw(np.random.default_rng(3), held_out=False)
-    for _ in range(60):
-        generate._MAKERS["correct"](draw)
-        generate._MAKERS["relative"](draw)
-    assert len(asked) == 120
-    for question, answer in asked:
+    prompts = Listening()
+    monkeypatch.setattr(generate, "PROMPTS", prompts)
+    lines = list(generate.examples(np.random.default_rng(3), 160, held_out=False))
+    arithmetic = [line for line in lines if line.task in ("relative", "correct")]
+    assert len(arithmetic) > 30
+    for line in arithmetic:
+        question = prompts.asked[line.messages[-1]["content"]]
         assert question.schema is not None
-        reason = violation(json.loads(answer), check_schema(question.schema))
-        assert reason is None, (question.messages[-1].content, reason)
+        reason = violation(json.loads(line.answer), check_schema(question.schema))
+        assert reason is None, (line.messages[-1]["content"], reason)

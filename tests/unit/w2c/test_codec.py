@@ -15,9 +15,10 @@ from w2c.bus.codec import (
     decode_envelope,
     decode_message,
     encode_envelope,
+    encode_message,
 )
 from w2c.errors import MessageError
-from w2c.messages import Empty, JointCommand, Picture
+from w2c.messages import Empty, JointCommand, Picture, SayRequest
 
 DTYPES = st.sampled_from(["<f8", "<f4", "<i8", "<i4", "<u2", "|u1", "|b1"])
 
@@ -72,6 +73,11 @@ def test_a_huge_array_header_allocates_nothing() -> None:
     packed = msgpack.packb({"tick": 0, "position": msgpack.ExtType(ARRAY_EXTENSION, header)})
     with pytest.raises(MessageError, match="needs"):
         decode_message(packed, JointCommand)
+
+
+def test_half_a_character_is_refused_by_name() -> None:
+    with pytest.raises(MessageError, match="udcff"):
+        encode_message(SayRequest(text="lean on the caf\udcff"))
 
 
 def test_text_does_not_pass_for_bytes() -> None:
