@@ -67,7 +67,8 @@ def answer_text(value: dict[str, Any]) -> str:
     return msgspec.json.encode(value).decode()
 
 
-def _example(question: Question, answer: str) -> Example:
+def example(question: Question, answer: str) -> Example:
+    """Return the line of a question and the text that answers it."""
     messages = [{"role": m.role, "content": m.content} for m in question.messages]
     return Example(task=question.task, messages=messages, answer=answer)
 
@@ -100,17 +101,17 @@ def _select(draw: Draw) -> Example:
         utterance, _ = _cut(corrections.correction(draw).draft, draw)
     else:
         utterance, _ = _cut(confirmation(draw), draw)
-    return _example(PROMPTS.select(utterance), module)
+    return example(PROMPTS.select(utterance), module)
 
 
 def _analyze(draw: Draw) -> Example:
     if draw.chance(0.03):
         utterance, _ = _cut(instructions.vague(draw), draw)
         answer: dict[str, Any] = {"position": "absolute", "objects": []}
-        return _example(PROMPTS.analyze(utterance), answer_text(answer))
+        return example(PROMPTS.analyze(utterance), answer_text(answer))
     made, utterance, mentions = _instruction(draw)
     answer = {"position": made.position, "objects": [str(m.span) for m in mentions]}
-    return _example(PROMPTS.analyze(utterance), answer_text(answer))
+    return example(PROMPTS.analyze(utterance), answer_text(answer))
 
 
 def _correction(draw: Draw) -> corrections.Correction:
@@ -120,14 +121,14 @@ def _correction(draw: Draw) -> corrections.Correction:
 def _objects(draw: Draw) -> Example:
     utterance, mentions = _cut(_correction(draw).draft, draw)
     answer = {"objects": [str(m.span) for m in mentions]}
-    return _example(PROMPTS.objects(utterance), answer_text(answer))
+    return example(PROMPTS.objects(utterance), answer_text(answer))
 
 
 def _relative(draw: Draw) -> Example:
     made, utterance, mentions = _instruction(draw, 1.0)
     objects = _scene_objects(draw, made.scene, len(mentions))
     question = PROMPTS.relative(utterance, mentions, objects, 10.0)
-    return _example(question, answer_text({"x": made.x, "y": made.y}))
+    return example(question, answer_text({"x": made.x, "y": made.y}))
 
 
 def _correct(draw: Draw) -> Example:
@@ -136,7 +137,7 @@ def _correct(draw: Draw) -> Example:
     moves = tuple(_move(draw) for _ in range(made.needs_past + draw.below(4)))
     objects = tuple(_scene_objects(draw, made.scene, len(mentions)))
     scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), moves, (), objects, 10.0)
-    return _example(
+    return example(
         PROMPTS.correct(utterance, mentions, scene), answer_text({"x": made.x, "y": made.y})
     )
 
@@ -144,7 +145,7 @@ def _correct(draw: Draw) -> Example:
 def _effector(draw: Draw) -> Example:
     made, utterance, _ = _instruction(draw)
     answer = {"effector": made.effector, "task": made.task}
-    return _example(PROMPTS.effector(utterance), answer_text(answer))
+    return example(PROMPTS.effector(utterance), answer_text(answer))
 
 
 def _move(draw: Draw) -> Move:

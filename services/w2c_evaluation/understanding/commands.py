@@ -13,6 +13,7 @@ import msgspec
 from w2c.config import parse
 from w2c.errors import ConfigError, ProcessError
 from w2c_evaluation.results import make_results, origin, write_results
+from w2c_evaluation.understanding.card import fill_card
 from w2c_evaluation.understanding.judging import HeldOut, score, turns_right
 
 HELD_OUT_FILES = Path(__file__).parent / "held_out"
@@ -42,6 +43,8 @@ class LanguageConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Where everything goes; empty = runs/<date and time>-language."""
     json: str = ""
     """Write the results to this file; empty = results.json in the run directory."""
+    card: str = ""
+    """Write the scores into this card, which `train language` wrote beside the model."""
     table: str = ""
     """Write the tables to this Markdown file; empty = tables.md in the run directory."""
 
@@ -72,6 +75,8 @@ def evaluate(arguments: list[str] | None = None) -> int:
     write_results(document, Path(config.json) if config.json else directory / "results.json")
     tables = f"# Sentences understood\n\n{format_table(judged)}\n\n{origin(document)}\n"
     (Path(config.table) if config.table else directory / "tables.md").write_text(tables)
+    if config.card:
+        fill_card(Path(config.card), f"{format_table(judged)}\n\n{origin(document)}")
     print(f"{tables}\nall of it, misses too: {directory}")
     return 0 if all(rate(judged[name]) >= target for name, target in TARGETS.items()) else 1
 

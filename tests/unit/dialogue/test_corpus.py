@@ -19,7 +19,6 @@ from w2c_dialogue.corpus.more_things import sounds_like_a_word
 from w2c_dialogue.corpus.phrases import phrase
 from w2c_dialogue.expressions import correction_symbols, evaluate_point, object_symbols
 from w2c_dialogue.prompts.base import MODULES, CorrectionScene, Move, Question, SceneObject
-from w2c_dialogue.prompts.bound import numbers_of
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
 from w2c_dialogue.utterance import Utterance, parse
 
@@ -129,17 +128,6 @@ def test_expressions_give_points_with_the_symbols_of_their_scene(task: str) -> N
         assert 0 < point.u < SIZE[0]
         assert 0 < point.v < SIZE[1]
         assert facts
-
-
-@pytest.mark.parametrize("task", ["relative", "correct"])
-def test_numbers_of_answers_are_those_that_a_bound_answer_may_have(task: str) -> None:
-    for content, answer in of_task(task):
-        known = set(numbers_of(parse(content.split("\n")[1])))
-        value = json.loads(answer)
-        arithmetic = re.sub(r"moves\[-\d\]", "", f"{value['x']} {value['y']}")
-        # Three places are divided by their number.
-        found = set(re.findall(r"(?<!/)\b\d+(?:\.\d+)?", arithmetic))
-        assert found <= known, (content, answer)
 
 
 def test_a_foot_only_stands() -> None:

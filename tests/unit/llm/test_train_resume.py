@@ -211,6 +211,20 @@ def test_a_run_begins_with_a_checkpoint_of_another(tmp_path: Path) -> None:
         )()
 
 
+def test_dialogues_of_the_user_are_mixed_in(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.jsonl"
+    mine.write_text('{"utterance": "a bit left", "module": "correction"}\n')
+    lines: list[str] = []
+    mixed = plan(tmp_path, dialogues=mine, dialogues_share=0.3, steps=1)
+    assert Run(mixed, lines.append)() is not None
+    assert "mine.jsonl: 1 turns, 2 questions" in lines
+    assert "mine.jsonl: 3 of 10 examples of an epoch (30%), each 1.5 times" in lines
+    assert "`mine.jsonl` (SHA-256" in (tmp_path / "run" / "README.md").read_text()
+    mine.write_text('{"utterance": "a bit left"}\n')
+    with pytest.raises(ConfigError, match=r"line 1: .*`module`"):
+        Run(mixed, lines.append)()
+
+
 def test_a_signal_ends_a_run_at_its_next_step() -> None:
     before = signal.getsignal(signal.SIGTERM)
     with interruptible() as stopped:
