@@ -13,9 +13,17 @@ from dataclasses import dataclass, field, replace
 import msgspec
 
 from w2c.errors import RefusedError
-from w2c.messages import EndEffector, GoalEvent, LiftReply, Target, Task
+from w2c.messages import (
+    ConversationState,
+    EndEffector,
+    GoalEvent,
+    LiftReply,
+    Target,
+    Task,
+)
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.prompts.base import CorrectionScene, Move
+from w2c_dialogue.rest import LastMotion, Rest
 from w2c_dialogue.sight import Prediction
 
 MAX_MOVES = 50
@@ -80,7 +88,15 @@ class Conversation:
     prefix: str
     shown: Shown | None = None
     goal: Goal | None = None
+    last: LastMotion = field(default_factory=LastMotion)
     _count: int = field(default=0)
+
+    @property
+    def state(self) -> ConversationState:
+        """What the conversation is at: a motion before a target, both before what was."""
+        if self.goal is not None:
+            return "moving"
+        return "target_shown" if self.shown is not None else self.last.rest
 
     def base(self) -> Shown | None:
         """Return what a correction speaks of: the shown target, else the one that is moved to."""
@@ -215,6 +231,7 @@ class Conversation:
 
     def progress(self, event: GoalEvent, now_ns: int) -> tuple[Goal, Target] | None:
         """Follow the goal. Returns it with its target when it is over, else None."""
+        self.last.follow(event)
         goal = self.goal
         if goal is None or event.goal_id != goal.goal_id:
             return None
@@ -222,7 +239,8 @@ class Conversation:
             return goal, self.abandon_goal(event.reason)
         if event.state == "loaded" or (event.state == "reached" and goal.task == "reach"):
             self.goal = None
-            state = "in_contact" if event.state == "loaded" else "reached"
+            state: Rest = "in_contact" if event.state == "loaded" else "reached"
+            self.last.end(goal.goal_id, state)
             return goal, msgspec.structs.replace(goal.target, state=state)
         touching = goal.touching or event.state == "touched"
         self.goal = replace(goal, since_ns=now_ns, touching=touching)
@@ -241,6 +259,7 @@ class Conversation:
         if self.goal is None:
             raise RefusedError("The robot is not moving to a target.")
         target = msgspec.structs.replace(self.goal.target, state="abandoned", warning=reason)
+        self.last.end(self.goal.goal_id, "idle")
         self.goal = None
         return target
 

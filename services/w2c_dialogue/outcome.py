@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from w2c.errors import RefusedError
-from w2c.messages import EndEffector, Evidence, PlaceGoal, Target, Task, Turn
+from w2c.messages import ConversationState, EndEffector, Evidence, PlaceGoal, Target, Task, Turn
 from w2c_dialogue.conversation import Goal
 
 
@@ -29,6 +29,8 @@ class Outcome:
         text: str,
         seconds: float,
         steps: dict[str, float],
+        *,
+        state: ConversationState,
         evidence: Evidence | None = None,
     ) -> Turn:
         """Return the message about it.
@@ -38,6 +40,7 @@ class Outcome:
             text: What was said.
             seconds: In all [s].
             steps: In each step [s].
+            state: Of the conversation, after it.
             evidence: What it was made from.
         """
         return Turn(
@@ -53,6 +56,7 @@ class Outcome:
             task=self.goal.task if self.goal else "",
             seconds=seconds,
             steps=steps,
+            state=state,
             evidence=evidence,
         )
 

@@ -230,4 +230,7 @@ class Dialogue:
         self, text: str, outcome: Outcome, steps: Steps, evidence: Evidence | None = None
     ) -> Turn:
         now_ns = self._clock.now_ns()
-        return outcome.as_turn(now_ns, text, steps.total(), steps.seconds, evidence)
+        state = self._conversation.state
+        return outcome.as_turn(
+            now_ns, text, steps.total(), steps.seconds, state=state, evidence=evidence
+        )

@@ -366,6 +366,7 @@ def all_examples() -> dict[str, m.Message]:
             reply="ok",
             ok=True,
             target=target,
+            state="moving",
             goal_id="g",
             end_effector="right_hand",
             task="contact",

@@ -50,6 +50,7 @@ from w2c.messages.control import (
 )
 from w2c.messages.conversation import (
     ConfirmRequest,
+    ConversationState,
     Evidence,
     ModelAnswer,
     PointRequest,
@@ -111,6 +112,7 @@ __all__ = [
     "ControllerSnapshot",
     "ControllerStatistics",
     "ControllerStatus",
+    "ConversationState",
     "Empty",
     "EndEffector",
     "ErrorReply",

@@ -8,6 +8,8 @@ from w2c.messages.base import Array, Message, Name, RobotBoot, Stamp, Text, chec
 from w2c.messages.control import EndEffector, Task
 from w2c.messages.models import Box
 
+ConversationState = Literal["idle", "target_shown", "moving", "in_contact", "reached"]
+
 
 class Target(Message, frozen=True, kw_only=True):
     """The point the system understood. Only meaningful with the frame it was chosen in."""
@@ -120,6 +122,8 @@ class Turn(Message, frozen=True, kw_only=True):
     options: list[str] = []
     """What may be answered where the reply is a question"""
     target: Target | None = None
+    state: ConversationState = "idle"
+    """After the turn. While the robot moves, a target may be shown besides"""
     goal_id: str = ""
     end_effector: str = ""
     task: str = ""

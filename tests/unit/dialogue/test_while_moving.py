@@ -77,6 +77,43 @@ def test_the_same_hand_goes_on_though_the_point_is_on_the_other_side_now() -> No
     assert world.confirm(world.shown).end_effector == "right_hand"
 
 
+def test_the_same_hand_goes_on_though_the_motion_ended_meanwhile() -> None:
+    world = MovingWorld(correct=[{"x": "300", "y": "target.v"}])
+    world.say("far to the left")
+    world.event(world.first.goal_id, "loaded")
+    assert world.confirm(world.shown).end_effector == "right_hand"
+
+
+def test_each_turn_tells_the_state_of_the_conversation() -> None:
+    world = World(**{**first_words(), "select": ["prediction", "correction"], "correct": [LEFT]})
+    states = [world.say("stop").state, world.say(FIRST).state]
+    goal = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    states += [goal.state, world.say("left").state]
+    assert states == ["idle", "target_shown", "moving", "moving"]
+    done = world.event(goal.goal_id, "loaded")
+    assert done is not None
+    assert done.state == "target_shown"
+    assert world.say("never mind").state == "in_contact"
+    world.event("some-release", "released")
+    assert world.say("stop").state == "idle"
+
+
+@pytest.mark.parametrize(
+    ("task", "end", "state"),
+    [
+        ("reach", "reached", "reached"),
+        ("contact", "aborted", "idle"),
+        ("contact", "loaded", "idle"),
+    ],
+)
+def test_where_a_motion_ends_is_the_state_until_it_is_lost(task: str, end: str, state: str) -> None:
+    world = MovingWorld(effector=[{"effector": "right_hand", "task": task}])
+    world.event(world.first.goal_id, end, task)
+    if end == "loaded":
+        world.event(world.first.goal_id, "aborted", reason="contact lost")
+    assert world.say("stop").state == state
+
+
 def test_a_second_yes_does_not_start_a_second_goal() -> None:
     world = MovingWorld(select=["prediction", "confirmation"])
     assert world.first.target is not None
