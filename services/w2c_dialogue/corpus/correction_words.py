@@ -7,16 +7,19 @@ from w2c_dialogue.corpus.things import meanings, names
 
 TINY = names("""
 a tiny bit, a hair, a touch, a smidge, just a tad, a tad, very slightly, a teeny bit, ever so
-slightly
+slightly, a notch, one notch, barely, just barely, marginally, fractionally, a whisker, a fraction,
+the tiniest bit, a tiny little bit, minimally, a smidgen, a hair's breadth, a very small bit
 """)
 SMALL = names("""
-a bit, a bit, a bit, a little, a little bit, slightly, somewhat, just a bit, just a little, a bit
-more, a little more, a small step, a small amount, a little bit more
+a bit, a bit, a bit, a bit, a bit, a little, a little, a little bit, slightly, slightly, somewhat,
+just a bit, just a little, a bit more, a little more, a small step, a small amount, a little bit
+more, a bit further, a little further, a small bit, a little way, a bit farther, just slightly
 """)
 PLAIN = ("", "", "", "", "more", "further", "some more", "a step", "again", "one step", "farther")
 LARGE = names("""
 a lot, a lot more, much, much more, way, far, a great deal, much further, way more, considerably,
-a big step, a good deal, significantly, way further, quite a lot, a whole lot
+a big step, a good deal, significantly, way further, quite a lot, a whole lot, a lot, quite a bit, a
+good bit, loads, heaps, tons, miles, substantially, drastically, massively, a huge step, a big chunk
 """)
 STEPS = (("10", TINY, 0.08), ("20", SMALL, 0.32), ("40", PLAIN, 0.45), ("100", LARGE, 0.15))
 """Pixels, words, how often."""
@@ -93,6 +96,12 @@ double the last move, twice the last move
 three times as much, three times that, triple that, three times as far, 3 times as much as before,
 thrice that, move three times the distance
 """),
+    "4": names("four times that, four times as much, quadruple that, 4 times as far"),
+    "1.5": names("""
+one and a half times that, 1.5 times as much, half as much again on top, one and a half times as far
+"""),
+    "0.33": names("a third of that, one third of that, a third as much, only a third of it"),
+    "0.25": names("a quarter of that, a quarter as much, only a quarter of that, a fourth of that"),
     "0.5": names("""
 half of that, half as much, half that, half as much as before, move half as much, only half of
 that, half the distance, now half of it, a bit more of the same, half that again, half as far,
@@ -154,7 +163,8 @@ times as much {}
 CLOSER = meanings("""
 0.5: closer to, nearer to, towards, toward, more towards, nearer, in the direction of, halfway to
 | 0.25: a bit closer to, a little closer to, a bit towards, slightly closer to, a bit nearer to |
-0.75: much closer to, a lot closer to
+0.75: much closer to, a lot closer to, three quarters of the way to | 0.8: almost up to, nearly up
+to, almost all the way to | 0.33: a third of the way to, a third of the way towards
 """)
 """Which part of the way to an object."""
 AWAY = meanings("""

@@ -84,10 +84,18 @@ CORNERS = {
 NUMBER_WORDS = dict(
     meanings("""
 1: one | 2: two, a couple of | 3: three, a few | 4: four | 5: five | 6: six | 7: seven | 8: eight |
-9: nine | 10: ten | 12: twelve | 15: fifteen | 20: twenty | 30: thirty | 40: forty | 50: fifty |
+9: nine | 10: ten | 11: eleven | 12: twelve | 13: thirteen | 14: fourteen | 15: fifteen |
+16: sixteen | 17: seventeen | 18: eighteen | 19: nineteen | 20: twenty | 30: thirty | 40: forty |
+50: fifty | 60: sixty | 70: seventy | 80: eighty | 90: ninety | 100: a hundred, one hundred |
 0.5: half a
 """)
 )
+SINGLE = meanings("""
+1*cm: a centimeter, a centimetre, one cm, a cm | 2.54*1*cm: an inch, one inch, a inch | 1: a pixel,
+one pixel | 0.1*1*cm: a millimeter, one millimetre | 2.54*0.5*cm: half an inch | 0.5*cm: half a
+centimeter, half a cm | 100*0.5*cm: half a meter, half a metre
+""")
+"""Lengths without a number, with their expressions."""
 PARTS_OF_THE_WAY = meanings("""
 0.33: one third, a third | 0.25: a quarter | 0.67: two thirds | 0.75: three quarters
 """)
@@ -118,11 +126,14 @@ def inside(letter: str, du: int, dv: int) -> tuple[str, str]:
 
 def distance(draw: Draw) -> tuple[str, str]:
     """Return the words of a length and its expression in pixels; `cm` is the scale of the scene."""
+    if draw.chance(0.08):
+        return draw.pick(SINGLE)
     if draw.chance(0.35):
         word = draw.pick(tuple(NUMBER_WORDS))
         number = NUMBER_WORDS[word]
     elif draw.chance(0.1):
-        number = word = f"{draw.below(20)}.{1 + draw.below(9)}"
+        number = f"{draw.below(20)}.{1 + draw.below(9)}"
+        word = number.replace(".", draw.pick((".", ".", ".", ",")))
     else:
         number = word = str(1 + draw.below(30) if draw.chance(0.7) else 5 * (1 + draw.below(60)))
     unit = draw.below(10)

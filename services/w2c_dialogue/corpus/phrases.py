@@ -5,6 +5,7 @@ from w2c_dialogue.corpus.more_things import RARER, compound, sounds_like_a_word
 from w2c_dialogue.corpus.things import (
     COLOURS,
     MATERIALS,
+    NEAR,
     PARTS,
     PLACES,
     PURPOSES,
@@ -104,6 +105,9 @@ def phrase(draw: Draw, *, surface: bool = False) -> str:
         words.append(_attribute(draw))
     elif draw.chance(0.05):
         words.append(draw.pick(WHICH))
+    elif draw.chance(0.03):
+        words.append(f"{draw.pick(NEAR)} {draw.pick(('the', 'the', 'that', 'a'))}")
+        words.append(plain_phrase(draw))
     return " ".join(" ".join(words).split())
 
 

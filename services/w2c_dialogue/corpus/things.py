@@ -155,6 +155,12 @@ very end, that is on the left, that's on the right, which is closer, that is far
 """)
 """Which one of several: a part of its name."""
 
+NEAR = names("""
+next to, next to, beside, behind, in front of, near, by, on top of, under, above, below, left of, to
+the left of, right of, to the right of, inside, in, against, opposite, close to, on
+""")
+"""Which one of several, by another thing."""
+
 SYLLABLES = names("""
 ka, lo, mi, zen, tor, pel, vi, qua, dro, bri, sa, nu, fex, gli, jo, ran, ti, mo, chi, whe, stra,
 ble, ox, ix, um, ar, el, za, pop, nut, choc, cris, fla, do, ga, hy, ju, lu, ner, py, rex, sno,
