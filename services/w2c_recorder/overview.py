@@ -25,6 +25,8 @@ class ChannelSummary:
     """From gaps in the sequence numbers."""
     malformed: int = 0
     """Messages without a readable envelope."""
+    note: str = ""
+    """What is odd about the channel, for people."""
 
     @property
     def rate_hz(self) -> float:
@@ -72,6 +74,9 @@ def overview_of(recording: Recording) -> Overview:
         end_ns = max(end_ns, recorded.log_time_ns)
     for key, count in losses.lost().items():
         channels[key].lost = count
+    for key, name in recording.other_schemas().items():
+        if key in channels:
+            channels[key].note = f"another version of {name}"
     return Overview(
         path=str(recording.path),
         size_bytes=recording.path.stat().st_size,

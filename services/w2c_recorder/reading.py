@@ -1,7 +1,7 @@
 """Recordings as decoded messages, in the order of their arrival; also from unclosed files."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,9 @@ from w2c.bus.codec import validate
 from w2c.errors import ConfigError, MessageError
 from w2c.messages import CallTrace, ErrorReply, Message
 from w2c_recorder.mcap_file import message_type_of
+from w2c_recorder.newer import known_part
 from w2c_recorder.records import Damage, RecordReader
+from w2c_recorder.schemas import same_schema
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,12 @@ class Recorded:
     """Sending, the sender's wall clock [ns since 1970]"""
     sequence: int
     problem: str = ""
-    """Why the message could not be decoded"""
+    """Why the message could not be decoded, or what of it this version does not know"""
+
+    def decoded(self) -> "Recorded":
+        """Return a message that was read without `decode`, decoded."""
+        envelope, message, problem = decode_payload(self.payload, message_type_of(self.key))
+        return replace(self, envelope=envelope, message=message, problem=problem)
 
 
 class Recording:
@@ -48,6 +55,7 @@ class Recording:
         """Name -> values. Complete after all messages were read, because the last is at the end."""
         self.damage = Damage()
         """What could not be read. Final after all messages were read."""
+        self._reader = RecordReader(path)
         self.start_ns = 0
         """Arrival of the first message of any key [ns since 1970]; 0 before one was read."""
 
@@ -61,7 +69,7 @@ class Recording:
         Raises:
             RecordingError: there is no such file, or it is no recording.
         """
-        reader = RecordReader(self.path)
+        reader = self._reader = RecordReader(self.path)
         self.damage = reader.damage
         for record in reader.contents():
             if isinstance(record, McapMessage):
@@ -71,6 +79,16 @@ class Recording:
                     yield _recorded(key, record, decode=decode)
             else:
                 self.metadata[record.name] = dict(record.metadata)
+
+    def other_schemas(self) -> dict[str, str]:
+        """Return key -> message of the channels read so far that another version described."""
+        found = {}
+        for channel in self._reader.channels.values():
+            schema = self._reader.schemas.get(channel.schema_id)
+            known = message_type_of(channel.topic)
+            if schema is not None and known is not None and not same_schema(schema.data, known):
+                found[channel.topic] = schema.name
+        return found
 
     def of(self, *rows: topics.Topic[Any]) -> Iterator[Recorded]:
         """Yield the messages of these rows of the registry, of whichever robot, that decode."""
@@ -93,43 +111,32 @@ def decode_call(trace: CallTrace) -> tuple[Message | None, Message | None]:
 
     A reply that is an error comes out as the ErrorReply.
     """
-    method = next(
-        (
-            method
-            for method in topics.METHODS
-            if (method.service, method.name) == (trace.service, trace.method)
-        ),
-        None,
-    )
+    method = method_of(trace)
     if method is None:
         return None, None
     reply_type = method.reply if trace.outcome == "ok" else ErrorReply
-    return _decode(trace.request, method.request)[1], _decode(trace.reply, reply_type)[1]
-
-
-def _recorded(key: str, record: McapMessage, *, decode: bool) -> Recorded:
-    envelope: Envelope | None = None
-    message: Message | None = None
-    problem = ""
-    if decode:
-        envelope, message, problem = _decode(record.data, message_type_of(key))
-    return Recorded(
-        key=key,
-        topic=topic_of(key),
-        message=message,
-        envelope=envelope,
-        payload=record.data,
-        log_time_ns=record.log_time,
-        publish_time_ns=record.publish_time,
-        sequence=record.sequence,
-        problem=problem,
+    return (
+        decode_payload(trace.request, method.request)[1],
+        decode_payload(trace.reply, reply_type)[1],
     )
 
 
-def _decode(
+def method_of(trace: CallTrace) -> topics.Method[Any, Any] | None:
+    """Return the registry's row of a call; None for one that it does not know."""
+    for method in topics.METHODS:
+        if (method.service, method.name) == (trace.service, trace.method):
+            return method
+    return None
+
+
+def decode_payload(
     payload: bytes, message_type: type[Message] | None
 ) -> tuple[Envelope | None, Message | None, str]:
-    """Return envelope, message, and why one of them is missing."""
+    """Return envelope, message, and why one of them is missing.
+
+    Of a message that a newer version wrote, what this version knows is returned; the last string
+    then names the fields that were left out.
+    """
     if not payload:
         return None, None, "no bytes"
     try:
@@ -141,4 +148,32 @@ def _decode(
     try:
         return envelope, validate(envelope.data, message_type), ""
     except MessageError as error:
+        return _partly(envelope, message_type, str(error))
+
+
+def _partly(
+    envelope: Envelope, message_type: type[Message], problem: str
+) -> tuple[Envelope, Message | None, str]:
+    """Return what this version knows of a message, where a newer one wrote it."""
+    data, unknown = known_part(envelope.data, message_type)
+    if not unknown or not data:  # nothing of it is known: another message altogether
+        return envelope, None, problem
+    try:
+        message = validate(data, message_type)
+    except MessageError as error:
         return envelope, None, str(error)
+    return envelope, message, f"fields of a newer version left out: {', '.join(unknown)}"
+
+
+def _recorded(key: str, record: McapMessage, *, decode: bool) -> Recorded:
+    recorded = Recorded(
+        key=key,
+        topic=topic_of(key),
+        message=None,
+        envelope=None,
+        payload=record.data,
+        log_time_ns=record.log_time,
+        publish_time_ns=record.publish_time,
+        sequence=record.sequence,
+    )
+    return recorded.decoded() if decode else recorded

@@ -29,6 +29,32 @@ def json_schema(message_type: type[Message]) -> bytes:
     return msgspec.json.encode(_schema(message_type), order="deterministic")
 
 
+def same_schema(recorded: bytes, message_type: type[Message]) -> bool:
+    """Tell whether a recorded schema has the same fields and types; words do not count."""
+    try:
+        return bool(_undescribed(msgspec.json.decode(recorded)) == _plain_schema(message_type))
+    except msgspec.DecodeError:
+        return False
+
+
+@cache
+def _plain_schema(message_type: type[Message]) -> Any:
+    return _undescribed(msgspec.json.decode(json_schema(message_type)))
+
+
+def _undescribed(node: Any) -> Any:
+    if isinstance(node, list):
+        return [_undescribed(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    # A property may be called "description": its schema is a dictionary, a description is not.
+    return {
+        name: _undescribed(value)
+        for name, value in node.items()
+        if not (name == "description" and isinstance(value, str))
+    }
+
+
 @cache
 def _schema(message_type: type[Message]) -> dict[str, Any]:
     (envelope, message), definitions = msgspec.json.schema_components(

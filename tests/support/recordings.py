@@ -1,11 +1,11 @@
 """Messages and recordings for the tests of the recorder."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from w2c import topics
-from w2c.bus import Envelope, RawReceived, encode_envelope
+from w2c.bus import Envelope, Input, RawReceived, encode_envelope
 from w2c.bus.codec import ENVELOPE_VERSION
 from w2c.messages import MarkRequest, Message
 from w2c_recorder.mcap_file import McapFile
@@ -21,6 +21,7 @@ def raw_message(
     boot_id: str = "boot",
     sender: str = "recorder",
     received_ns: int | None = None,
+    inputs: Sequence[Input] = (),
 ) -> RawReceived:
     """Return a message as the bus delivers it to the recorder."""
     envelope = Envelope(
@@ -31,7 +32,7 @@ def raw_message(
         sequence=sequence,
         monotonic_ns=0,
         clock_ns=1_000 + sequence,
-        inputs=[],
+        inputs=list(inputs),
         data=message,
     )
     arrival_ns = time.monotonic_ns() if received_ns is None else received_ns

@@ -50,7 +50,7 @@ def test_timeline_prints_the_story(
         ["0:01.000", "mark", "again"],
     ]
     entries = json.loads((tmp_path / "story.json").read_text())["entries"]
-    assert entries[1] == {"seconds": 1.0, "actor": "mark", "text": "again"}
+    assert entries[1] == {"seconds": 1.0, "kind": "mark", "actor": "mark", "text": "again"}
 
 
 def test_an_unclosed_file_is_shown_and_called_so(
@@ -65,18 +65,56 @@ def test_an_unclosed_file_is_shown_and_called_so(
     assert "was not closed" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("action", ["info", "timeline"])
-def test_a_foreign_file_is_an_error(tmp_path: Path, action: str) -> None:
+ACTIONS = [
+    ["info"],
+    ["timeline"],
+    ["check"],
+    ["frame", "--at", "0"],
+    ["why", "--at", "0"],
+]
+
+
+@pytest.mark.parametrize("action", ACTIONS, ids=lambda words: words[0])
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"these are notes and no recording", "not an MCAP file"),
+        (b"", "is empty: nothing was recorded"),
+        (None, "no recording at"),
+    ],
+    ids=["foreign", "empty", "missing"],
+)
+def test_a_file_that_holds_nothing_is_an_error(
+    tmp_path: Path, action: list[str], content: bytes | None, problem: str
+) -> None:
     path = tmp_path / "notes.mcap"
-    path.write_text("these are notes and no recording")
+    if content is not None:
+        path.write_bytes(content)
 
-    with pytest.raises(RecordingError, match="not an MCAP file"):
-        recording([action, str(path)])
+    with pytest.raises(RecordingError, match=problem):
+        recording([*action, str(path)])
 
 
-def test_json_that_cannot_be_written_is_a_usage_error(file: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("action", ["frame", "why"])
+def test_an_instant_of_a_file_without_messages_is_an_error(tmp_path: Path, action: str) -> None:
+    path = tmp_path / "session.mcap"
+    path.write_bytes(b"\x89MCAP0\r\n")
+
+    with pytest.raises(RecordingError, match="holds no message: ends in the middle"):
+        recording([action, "--at", "0", str(path)])
+
+
+def test_the_help_shows_the_flags_of_every_action(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        recording(["--help"])
+    printed = capsys.readouterr().out
+
+    assert all(flag in printed for flag in ("--json", "--html", "--budget", "--at", "--out"))
+
+
+def test_a_json_that_cannot_be_written_is_a_usage_error(file: Path) -> None:
     with pytest.raises(ConfigError, match="cannot be written"):
-        recording(["info", str(file), "--json", str(tmp_path / "no" / "info.json")])
+        recording(["info", str(file), "--json", str(file / "info.json")])
 
 
 @pytest.mark.parametrize("arguments", [[], ["replay", "x"], ["info"]])

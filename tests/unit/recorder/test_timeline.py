@@ -117,7 +117,7 @@ def test_the_controller_tells_changes_of_phase_only(path: Path) -> None:
     assert lines == ["0 controller: hold", "2 controller: approach", "4 controller: hold"]
 
 
-def test_calls_that_failed_and_every_stop_are_told(path: Path) -> None:
+def test_calls_are_told_with_their_time_and_failed_ones_with_their_reason(path: Path) -> None:
     lines = story(
         path,
         (topics.TRACE, "dialogue", call("llm", "complete", "ok")),
@@ -126,6 +126,7 @@ def test_calls_that_failed_and_every_stop_are_told(path: Path) -> None:
     )
 
     assert lines == [
+        "0 dialogue: call llm/complete, 60000 ms",
         "1 dialogue: call grounding/ground failed after 60000 ms: deadline: too late",
         "2 console: STOP to robot: ok",
     ]
@@ -145,6 +146,44 @@ def test_a_process_tells_changes_of_its_health(path: Path) -> None:
     lines = story(path, *((topics.HEALTH, "llm", health(p)) for p in ("ready", "ready", "failed")))
 
     assert lines == ["0 llm/0: ready: no model", "2 llm/0: failed: no model"]
+
+
+def test_safety_events_are_told_with_value_and_limit(path: Path) -> None:
+    begins = m.SafetyEvent(
+        stamp_ns=0, tick=1, cause="hand_overload", state="begins", subject="right_hand",
+        value=210.0, limit=150.0, unit="N", answer="holds", resumes="after resume",
+        text="look at the robot",
+    )  # fmt: skip
+
+    assert story(path, (topics.SAFETY_EVENT, "controller", begins)) == [
+        "0 controller: hand_overload right_hand (210 N, limit 150 N), holds: look at the robot"
+    ]
+
+
+def test_advice_that_is_repeated_is_told_once(path: Path) -> None:
+    def advice(*remarks: m.Remark) -> m.Advice:
+        return m.Advice(
+            stamp_ns=0, target_id="t1", frame_stamp_ns=1, remarks=list(remarks), seconds=0.1
+        )
+
+    fine = m.Remark(kind="veto", level="fine", text="no veto", source="grounding")
+    slope = m.Remark(kind="surface", level="caution", text="it slopes", source="perception")
+    far = m.Remark(kind="reach", level="caution", text="it is far", source="controller")
+    told = [advice(fine, slope), advice(fine, slope), advice(slope, far)]
+    lines = story(path, *((topics.ADVICE, "dialogue", one) for one in told))
+
+    assert lines == ["0 dialogue: it slopes", "2 dialogue: it is far"]
+
+
+def test_losses_are_told_when_they_happen(path: Path) -> None:
+    def lost(count: int) -> m.RecorderStatus:
+        return m.RecorderStatus(
+            stamp_ns=0, recording=True, path="a", messages=1, bytes=1, lost={"k": count}
+        )
+
+    lines = story(path, *((topics.RECORDER_STATUS, "recorder", lost(n)) for n in (2, 2, 5)))
+
+    assert lines == ["0 recorder: lost 2 of k", "2 recorder: lost 3 of k"]
 
 
 def test_marks_and_liveliness_are_told(path: Path) -> None:
