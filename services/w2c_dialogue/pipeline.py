@@ -6,7 +6,8 @@ one. Stop and cancel words need no model.
 """
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from w2c.clock import Clock
 from w2c.errors import RefusedError, W2CError
@@ -105,19 +106,22 @@ class Dialogue:
         return None if over is None else self._ended(*over)
 
     def lose_goal(self, goal_id: str, reason: str) -> Turn | None:
-        """Give up a goal the controller does not know any more; None if it is over already."""
-        with self._turn:
+        """Give up a goal the controller does not know any more; None if it is over already.
+
+        None, too, while a turn is taken: what happened to the goal may wait behind it. Ask again.
+        """
+        with self._unless_busy() as free:
             goal = self._conversation.goal
-            if goal is None or goal.goal_id != goal_id:
+            if not free or goal is None or goal.goal_id != goal_id:
                 return None
             target = self._conversation.abandon_goal(reason)
         return self._ended(goal, target)
 
     def lose_robot(self) -> Turn | None:
-        """Give up a target of before the robot started anew; None where there is none."""
-        with self._turn:
+        """Give up a target of before the robot started anew; None where there is none, or later."""
+        with self._unless_busy() as free:
             shown = self._conversation.shown
-            if shown is None or self._frames.current(shown.frame):
+            if not free or shown is None or self._frames.current(shown.frame):
                 return None
             target = self._conversation.abandon_shown(RESTARTED)
         return self._report("", Outcome("none", RESTARTED, target, ok=False), Steps(self._clock))
@@ -210,6 +214,16 @@ class Dialogue:
             return Outcome("none", reply, ok=False)
 
     # --- helpers ---
+
+    @contextmanager
+    def _unless_busy(self) -> Iterator[bool]:
+        """Yield whether no turn is taken, and let none begin meanwhile."""
+        free = self._turn.acquire(blocking=False)
+        try:
+            yield free
+        finally:
+            if free:
+                self._turn.release()
 
     def _moves_only(self) -> bool:
         """Say whether the motion is the only thing that could be taken back."""

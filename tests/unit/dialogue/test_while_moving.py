@@ -84,6 +84,16 @@ def test_the_same_hand_goes_on_though_the_motion_ended_meanwhile() -> None:
     assert world.confirm(world.shown).end_effector == "right_hand"
 
 
+def test_a_goal_is_not_given_up_while_a_long_turn_holds_back_its_events() -> None:
+    world = MovingWorld()
+    goal_id = world.first.goal_id
+    with world.dialogue._turn:
+        assert world.dialogue.lose_goal(goal_id, "silent") is None
+        assert world.dialogue.lose_robot() is None
+    assert world.event(goal_id, "loaded") is not None
+    assert world.dialogue.lose_goal(goal_id, "silent") is None
+
+
 def test_each_turn_tells_the_state_of_the_conversation() -> None:
     world = World(**{**first_words(), "select": ["prediction", "correction"], "correct": [LEFT]})
     states = [world.say("stop").state, world.say(FIRST).state]
