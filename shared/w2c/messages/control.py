@@ -89,7 +89,8 @@ class PreviewReply(Message, frozen=True, kw_only=True):
 
     reachable: bool
     distance: float
-    """What would be left between the end effector and the point [m]"""
+    """What would be left between the end effector and where it should end: at the surface to touch
+    it, 2 cm or more off it to reach [m]; -1 where it has no meaning"""
     reason: Text = ""
     """Why not; where it could, what to beware of"""
 
@@ -106,7 +107,8 @@ class GoalEvent(Message, frozen=True, kw_only=True):
     ]
     reason: Text = ""
     distance: float = -1.0
-    """Between end effector and point, by the model [m]; -1 where it has no meaning"""
+    """Between the end effector and where it should end (at the surface, or 2 cm or more off it to
+    reach), by the model [m]; -1 where it has no meaning"""
 
 
 class ControllerStatus(Message, frozen=True, kw_only=True):
