@@ -186,6 +186,13 @@ def frame(options: Namespace) -> Report:
     return Report([f"picture: {options.out}; {where}, {len(overlay.boxes)} boxes{heat}"])
 
 
+def export(options: Namespace) -> Report:
+    """Write a recording for other programs. Raises RecordingError, ConfigError."""
+    from w2c_recorder import export as formats
+
+    return formats.export(options)
+
+
 def why(options: Namespace) -> Report:
     """Follow a joint command back to the words. Raises RecordingError."""
     from w2c_recorder.history import history_of

@@ -29,6 +29,7 @@ def make_parser() -> argparse.ArgumentParser:
         _check(actions),
         _frame(actions),
         _why(actions),
+        _export(actions),
     ]
     parser.epilog = "\n".join(action.format_usage().rstrip() for action in made)
     return parser
@@ -98,4 +99,19 @@ def _why(actions: "_Actions[argparse.ArgumentParser]") -> argparse.ArgumentParse
     action = _add(actions, "why", "from a joint command back to the words it came from")
     _add_time(action)
     _add_json(action)
+    return action
+
+
+def _export(actions: "_Actions[argparse.ArgumentParser]") -> argparse.ArgumentParser:
+    action = _add(actions, "export", "write it for other programs")
+    action.add_argument(
+        "--to",
+        choices=("csv", "dataset"),
+        required=True,
+        help="csv: one stream as a table; dataset: the conversations, for training",
+    )
+    action.add_argument("--channel", default="", metavar="KIND/SERVICE/NAME", help="of a csv")
+    action.add_argument("--out", type=Path, metavar="PATH", help="file of a csv, or a directory")
+    action.add_argument("--start", type=seconds, default=0.0, metavar="T", help="of a csv")
+    action.add_argument("--end", type=seconds, metavar="T", help="of a csv")
     return action

@@ -26,7 +26,7 @@ tr.call td, tr.process td { color: #778; font-size: .9em; }
 body:has(#calls:not(:checked)) tr.call { display: none; }
 body:has(#processes:not(:checked)) tr.process { display: none; }
 figure { margin: .5rem 0; }
-svg { max-width: 100%; height: auto; max-height: 30rem; border: 1px solid #ccd; }
+svg { width: 100%; max-width: 50rem; height: auto; display: block; }
 figcaption { color: #667; font-size: .9em; }
 """
 _NO_CODE = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
@@ -97,7 +97,7 @@ def _figure(frame: m.CameraFrame, overlay: Overlay) -> str:
         )
     caption = f"picture of robot time {frame.stamp_ns * 1e-9:.3f} s. {overlay.label}"
     return (
-        f'<figure><svg viewBox="0 0 {width} {height}" width="{width}" height="{height}">'
+        f'<figure><svg viewBox="0 0 {width} {height}">'
         f"{''.join(parts)}</svg><figcaption>{escape(caption)}</figcaption></figure>"
     )
 

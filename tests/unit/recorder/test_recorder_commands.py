@@ -71,10 +71,12 @@ ACTIONS = [
     ["check"],
     ["frame", "--at", "0"],
     ["why", "--at", "0"],
+    ["export", "--to", "csv", "--channel", "state/robot/joints"],
+    ["export", "--to", "dataset"],
 ]
 
 
-@pytest.mark.parametrize("action", ACTIONS, ids=lambda words: words[0])
+@pytest.mark.parametrize("action", ACTIONS, ids=" ".join)
 @pytest.mark.parametrize(
     ("content", "problem"),
     [

@@ -1,0 +1,140 @@
+"""Recordings in the formats of other programs."""
+
+import csv
+import json
+import tempfile
+from argparse import Namespace
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from w2c import messages as m
+from w2c import topics
+from w2c.errors import ConfigError, W2CError
+from w2c.library import library
+from w2c_recorder.columns import TIMES, Row, Span, rows_of
+from w2c_recorder.conversations import Conversation, conversations_of
+from w2c_recorder.dataset import Camera, Values, conversation_values, training_lines
+from w2c_recorder.history import History, history_of
+from w2c_recorder.pictures import frames_of
+from w2c_recorder.reading import Recording
+from w2c_recorder.report import Report, write_file
+
+
+def export(options: Namespace) -> Report:
+    """Write a recording in another format. Raises RecordingError, ConfigError."""
+    return _FORMATS[options.to](options)
+
+
+def _csv(options: Namespace) -> Report:
+    """Write one stream as a table: a row a message, a column a number."""
+    if not options.channel:
+        raise ConfigError("--to csv needs --channel, as in: --channel state/robot/joints")
+    out = options.out or Path(options.channel.replace("/", "-") + ".csv")
+    source = Recording(options.file)
+    span = Span(options.start, float("inf") if options.end is None else options.end)
+    # Twice through the file: which columns there are is known only at its end.
+    columns, known = list(TIMES), set(TIMES)
+    for row in rows_of(source, options.channel, span):
+        columns += [name for name in row if name not in known]
+        known.update(row)
+    count = _write_rows(out, columns, rows_of(source, options.channel, span))
+    lines = [f"table: {out}, {count} rows, {len(columns)} columns"]
+    return Report(lines + _damage(source), status=0 if count else 1)
+
+
+def _write_rows(out: Path, columns: list[str], rows: Iterable[Row]) -> int:
+    count = 0
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with out.open("w", newline="") as file:
+            writer = csv.DictWriter(file, columns, restval="")
+            writer.writeheader()
+            for row in rows:
+                writer.writerow(row)
+                count += 1
+    except OSError as error:
+        raise ConfigError(
+            f"{out} cannot be written: {error.strerror}; choose another --out"
+        ) from error
+    return count
+
+
+def _dataset(options: Namespace) -> Report:
+    """Write the conversations: lines for training, all that is known, and the pictures."""
+    out = options.out or Path(options.file.stem + "-dataset")
+    source = Recording(options.file)
+    history = history_of(source)
+    conversations = list(conversations_of(history))
+    cameras, pictures = _pictures(source, history, conversations, out)
+    refuses = _checked_by(library("dialogue_examples"))
+    lines = [
+        line
+        for conversation in conversations
+        for line in training_lines(conversation, options.file.stem, cameras, refuses)
+    ]
+    known = [conversation_values(history, one, pictures) for one in conversations]
+    write_file(out / "dialogues.jsonl", _json_lines(lines))
+    write_file(out / "conversations.jsonl", _json_lines(known))
+    confirmed = sum(one.confirmation is not None for one in conversations)
+    report = [
+        f"{out / 'dialogues.jsonl'}: {len(lines)} lines for `w2c train language --with`, "
+        f"of {confirmed} conversations with a yes",
+        f"{out / 'conversations.jsonl'}: {len(known)} conversations",
+        f"{out / 'pictures'}: {len(pictures)} pictures",
+    ]
+    return Report(report + _damage(source), status=0 if known else 1)
+
+
+def _pictures(
+    source: Recording, history: History, conversations: list[Conversation], out: Path
+) -> tuple[dict[int, Camera], dict[int, str]]:
+    """Write the pictures of all targets; return what is known of each, and its file, by stamp."""
+    wanted = {}
+    for conversation in conversations:
+        for turn in conversation.turns:
+            target = turn.message.target
+            frame = None if target is None else history.frame_of(target, turn.at_ns)
+            if frame is not None:
+                wanted[frame.stamp_ns] = frame
+    views = {
+        recorded.message.stamp_ns: recorded.message
+        for recorded in source.of(topics.CAMERA_VIEW)
+        if isinstance(recorded.message, m.CameraView) and recorded.message.stamp_ns in wanted
+    }
+    cameras, names = {}, {}
+    for picture in frames_of(source, wanted.values()).values():
+        name = f"pictures/{picture.stamp_ns}.jpg"
+        write_file(out / name, picture.jpeg)
+        names[picture.stamp_ns] = name
+        view = views.get(picture.stamp_ns)
+        cameras[picture.stamp_ns] = Camera(picture.width, picture.height, view)
+    return cameras, names
+
+
+def _checked_by(read: Any) -> Any:
+    """Return the check of a line by the very reader that training uses."""
+
+    def refuses(line: Values) -> str:
+        with tempfile.TemporaryDirectory() as directory:
+            path = Path(directory) / "line.jsonl"
+            path.write_bytes(_json_lines([line]))
+            try:
+                read(path)
+            except W2CError as error:
+                return str(error)
+        return ""
+
+    return refuses
+
+
+def _json_lines(values: Iterable[Values]) -> bytes:
+    return b"".join(json.dumps(one, ensure_ascii=False).encode() + b"\n" for one in values)
+
+
+def _damage(source: Recording) -> list[str]:
+    damage = source.damage
+    return [f"the recording was not closed: {damage.reason}"] if damage.reason else []
+
+
+_FORMATS = {"csv": _csv, "dataset": _dataset}
