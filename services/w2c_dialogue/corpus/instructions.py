@@ -202,7 +202,7 @@ def _lead(draw: Draw, draft: Draft) -> None:
 VAGUE = names("""
 lean over there, put your right hand somewhere, reach forward, lean forward with your left hand,
 place your left hand over here, use your right hand, reach out with the left hand,
-grab it, take it with the left hand, with your right hand please, lean, lean on something, put
+take it with the left hand, with your right hand please, lean, lean on something, put
 your hand on it, touch it, get that, place a contact, find a support, support yourself with your
 right hand, move your left hand, give me your hand, hello, hi robot, how are you, what do you see,
 what is this, help me, raise your hand, can you lean, left hand, right hand please, do something,
