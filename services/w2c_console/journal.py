@@ -85,6 +85,7 @@ def turn_entry(turn: Turn, time_ms: int, entry_id: int = 0) -> TurnEntry:
         reply=turn.reply,
         ok=turn.ok,
         module=turn.module,
+        options=turn.options,
         target_id="" if turn.target is None else turn.target.target_id,
         seconds=turn.seconds,
         steps=turn.steps,

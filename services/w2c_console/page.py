@@ -165,6 +165,8 @@ class TurnEntry(msgspec.Struct, frozen=True, tag_field="type", tag="turn"):
     reply: str
     ok: bool
     module: str
+    options: list[str]
+    """What may be answered where the reply is a question"""
     target_id: str
     seconds: float
     steps: dict[str, float]

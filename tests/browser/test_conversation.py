@@ -105,6 +105,39 @@ def test_an_announcement_of_the_robot_needs_no_words_of_the_operator(
     page.get_by_role("log").get_by_text("(confirms)").wait_for()
 
 
+def test_a_question_is_answered_by_its_buttons_until_the_conversation_goes_on(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    world.take_picture(EPOCH)
+    world.dialogue.show(make_target("t-1", EPOCH))
+    page = open_page()
+    page.get_by_role("img", name="target t-1").wait_for()
+    answers = page.get_by_role("group", name="Answers").get_by_role("button")
+    world.dialogue.ask("to the mug", "Which 'mug': left or right?", ["left", "right"])
+    answers.nth(1).wait_for()
+    world.dialogue.turn("", "none", "My right hand has reached the target.")  # by itself
+    world.dialogue.turn("er", "none", "What? Still open: Which 'mug': left or right?", ok=False)
+    page.get_by_role("listitem").filter(has_text="Still open").get_by_role("group").wait_for()
+    assert answers.all_inner_texts() == ["left", "right"]
+
+    long = "the mug with <b>the blue handle</b> " + "m" * 120
+    world.dialogue.ask("to the mug", "Which of these?", [long, "right"])
+    answers.first.get_by_text("<b>the blue handle</b>").wait_for()  # as text, never as markup
+    chat = box_of(page.get_by_role("region", name="Conversation"))
+    assert all(box_of(one)["width"] < chat["width"] for one in answers.all())
+    assert answers.count() == 2
+
+    page.get_by_label("Instruction").focus()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Enter")
+    page.get_by_text("Is this where you mean? (right)").wait_for()
+    assert answers.count() == 0
+    (said,) = world.dialogue.said
+    assert (said.text, said.frame_stamp_ns, said.target_id) == ("right", EPOCH, "t-1")
+    page.keyboard.type("there")
+    assert page.get_by_label("Instruction").input_value() == "there"
+
+
 def test_the_page_reconnects_by_itself_and_keeps_the_conversation(
     world: ConsoleWorld, console: Any, open_page: Open
 ) -> None:

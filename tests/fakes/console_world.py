@@ -96,7 +96,19 @@ class FakeDialogue:
         )
         self.bus.publish(topics.ALLOWED_AREA, area)
 
-    def turn(self, text: str, module: str, reply: str, *, ok: bool = True) -> Turn:
+    def ask(self, text: str, reply: str, options: list[str]) -> Turn:
+        """Answer what was said with a question."""
+        return self.turn(text, "question", reply, ok=False, options=options)
+
+    def turn(
+        self,
+        text: str,
+        module: str,
+        reply: str,
+        *,
+        ok: bool = True,
+        options: list[str] | None = None,
+    ) -> Turn:
         """Publish and return one exchange."""
         turn = Turn(
             stamp_ns=time.monotonic_ns(),
@@ -104,6 +116,7 @@ class FakeDialogue:
             module=module,
             reply=reply,
             ok=ok,
+            options=options or [],
             seconds=0.42,
             steps={"selector": 0.031, "analyzer": 0.118, "grounding": 0.204, "lift": 0.006},
         )

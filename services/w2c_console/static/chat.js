@@ -3,6 +3,7 @@
 
 import { RequestError, post } from "./api.js";
 import { byId, duration, make, shortId, timeOfDay } from "./dom.js";
+import { Question } from "./question.js";
 
 const ANSWER_MS = 125_000;
 /** What the operator did where nothing was said, by the module that answered. */
@@ -11,7 +12,7 @@ const WORDLESS = /** @type {Record<string, string>} */ ({ point: "(points)", con
 /**
  * @typedef {{
  *   type: "turn", id: number, key: string, time_ms: number, text: string, reply: string, ok: boolean,
- *   module: string, target_id: string, seconds: number, steps: Record<string, number>,
+ *   module: string, options: string[], target_id: string, seconds: number, steps: Record<string, number>,
  * }} Turn
  * @typedef {{
  *   type: "goal", id: number, time_ms: number, goal_id: string, end_effector: string, task: string,
@@ -22,6 +23,8 @@ const WORDLESS = /** @type {Record<string, string>} */ ({ point: "(points)", con
 export class Chat {
   /** @param {() => {frame_stamp: string, robot_boot: string, target_id: string}} onScreen what the operator sees */
   constructor(onScreen) {
+    this.onScreen = onScreen;
+    this.question = new Question((text) => this.say(text));
     this.list = byId("chat", HTMLOListElement);
     this.input = byId("say", HTMLInputElement);
     this.sendButton = byId("send", HTMLButtonElement);
@@ -32,10 +35,19 @@ export class Chat {
     byId("say-form", HTMLFormElement).addEventListener("submit", (event) => {
       event.preventDefault();
       const text = this.input.value.trim();
-      if (text === "" || this.sendButton.disabled) return;
-      this.input.value = "";
-      void this.ask("/api/say", { text, ...onScreen() }, text);
+      if (text !== "" && this.say(text)) this.input.value = "";
     });
+  }
+
+  /**
+   * Say something about what is on the screen.
+   * @param {string} text
+   * @returns {boolean} false while an earlier request is not answered
+   */
+  say(text) {
+    if (this.sendButton.disabled) return false;
+    void this.ask("/api/say", { text, ...this.onScreen() }, text);
+    return true;
   }
 
   /**
@@ -72,6 +84,7 @@ export class Chat {
   clear() {
     this.list.replaceChildren(...this.pending.values());
     this.shown.clear();
+    this.question.close();
   }
 
   /** @param {Turn} turn */
@@ -85,15 +98,15 @@ export class Chat {
     const about = [timeOfDay(turn.time_ms), turn.module, shortId(turn.target_id), duration(turn.seconds)];
     const meta = make("p", { class: "meta" }, about.filter((part) => part !== "").join(" · "));
     if (parts.length > 0) meta.append(make("span", { class: "steps" }, parts.join(" · ")));
-    this.append(
-      make(
-        "li",
-        { class: "turn" },
-        ...(said === "" ? [] : [make("p", { class: "bubble said" }, said)]),
-        make("p", { class: turn.ok ? "bubble reply" : "bubble reply failed" }, turn.reply),
-        meta,
-      ),
+    const failed = !turn.ok && turn.options.length === 0;
+    const item = make(
+      "li",
+      { class: "turn" },
+      ...(said === "" ? [] : [make("p", { class: "bubble said" }, said)]),
+      make("p", { class: failed ? "bubble reply failed" : "bubble reply" }, turn.reply),
+      meta,
     );
+    this.append(item, () => this.question.follow(turn, item));
   }
 
   /** @param {Goal} goal */
@@ -111,10 +124,14 @@ export class Chat {
     );
   }
 
-  /** @param {HTMLElement} item */
-  append(item) {
+  /**
+   * @param {HTMLElement} item
+   * @param {() => void} complete what else changes with it, before the list scrolls
+   */
+  append(item, complete = () => {}) {
     const atEnd = this.list.scrollHeight - this.list.scrollTop - this.list.clientHeight < 80;
     this.list.append(item);
+    complete();
     if (atEnd) this.scrollToEnd();
   }
 
