@@ -1,1 +1,1 @@
-"""Scenario (a) of the paper, from the first word to the reached cup."""
+"""The demo: scenario (a) of the paper from the first word to the reached cup, and other scenes."""

@@ -5,19 +5,25 @@ import logging
 import sys
 import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 
 from w2c.config import parse
 from w2c.logs import configure_logs
 
+FIRST = "a"
+"""Its demo plays in real time, says the same words each time and shows the console"""
 SeedCount = Annotated[int, msgspec.Meta(ge=1, le=10_000)]
 
 
 class DemoConfig(msgspec.Struct, frozen=True, kw_only=True):
-    """Play scenario (a) of the paper in the simulator, with every process of the system."""
+    """Play a story of the paper in the simulator, with every process of the system."""
 
+    scene: str = "a"
+    """What is played: a, b, c, d (the paper's), e (a hand on a wall, a foot lifted), random."""
+    boxes: Literal["model", "truth"] = "model"
+    """Who finds things in pictures: the grounding service, or the simulator's truth."""
     seed: Annotated[int, msgspec.Meta(ge=0)] = 0
     """Of the layout and of the simulator."""
     lock_step: bool = False
@@ -31,12 +37,18 @@ class DemoConfig(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def demo(arguments: list[str] | None = None) -> int:
-    """Play the scenario. Exit status 0 when the hand leaned and the cup was reached."""
+    """Play it. Exit status 0 when every hand came where it was sent, and nothing fell.
+
+    Raises:
+        ConfigError: there is no such scene, or no layout of this seed.
+    """
+    argv = sys.argv[1:] if arguments is None else arguments
+    config = parse(DemoConfig, argv, program="w2c demo")
+    if config.scene != FIRST or config.boxes == "truth":
+        return _play_story(config)
     from w2c_evaluation.demo.run import RunOptions, run_scenario
     from w2c_evaluation.demo.summary import format_summary
 
-    argv = sys.argv[1:] if arguments is None else arguments
-    config = parse(DemoConfig, argv, program="w2c demo")
     directory = _directory(config.run_directory, "demo")
     configure_logs("demo", "info", str(directory))
     options = RunOptions(directory, config.seed, config.lock_step, quiet=not config.verbose)
@@ -48,6 +60,35 @@ def demo(arguments: list[str] | None = None) -> int:
     if config.json:
         Path(config.json).write_text(json.dumps(summary, indent=2) + "\n")
     return 1 if summary["problem"] else 0
+
+
+def _play_story(config: DemoConfig) -> int:
+    """Play a scene with an operator who looks, corrects and confirms; in lock step."""
+    from w2c_evaluation.demo.stories import find_story
+    from w2c_evaluation.demo.told import format_story, make_summary
+    from w2c_evaluation.scenarios.film import make_strip
+    from w2c_evaluation.scenarios.run import PICTURES, RECORDING, RunOptions, run_scenario
+
+    story = find_story(config.scene)
+    directory = _directory(config.run_directory, f"demo-{config.scene}")
+    configure_logs("demo", "info", str(directory))
+    log = logging.getLogger("w2c.demo")
+    log.info("%s, in lock step; the operator corrects what is not right", story.experiment.title)
+    log.info("starting every process; their logs: %s", directory)
+    played = directory / "played"  # emptied by the run
+    options = RunOptions(played, config.boxes, "model", keep=True, afterwards=story.afterwards)
+    result = run_scenario(story.experiment, config.seed, options)
+    recording = str(played / RECORDING)
+    summary = make_summary(result, config.boxes, recording)
+    text = json.dumps(summary, indent=2) + "\n"
+    (directory / "summary.json").write_text(text)
+    if config.json:
+        Path(config.json).write_text(text)
+    make_strip(played / PICTURES, directory / "story.jpg")
+    print(format_story(result, config.boxes, recording))
+    print(f"pictures             {directory / 'story.jpg'}")
+    print(f"all of it            {directory}")
+    return 0 if result.succeeded else 1
 
 
 class BenchConfig(msgspec.Struct, frozen=True, kw_only=True):

@@ -90,9 +90,13 @@ class Conversation:
             run = PromptRun()
             self.played.prompts.append(run)
             self._perform(prompt, run)
-            end = "loaded" if prompt.meaning.task == "contact" else "reached"
-            if run.motion is None or run.motion.state != end:
+            if not _ended_well(prompt, run):
                 return
+
+    def succeeded(self, scenario: Scenario) -> bool:
+        """Return whether every prompt was played to its end."""
+        runs = self.played.prompts
+        return len(runs) == len(scenario.prompts) and _ended_well(scenario.prompts[-1], runs[-1])
 
     def _wait_until_it_stands(self) -> None:
         deadline = time.monotonic() + STAND_PATIENCE_S
@@ -286,6 +290,11 @@ class Conversation:
             return self._bus.call(topics.PICTURE, request).message.jpeg
         except CallError:
             return b""
+
+
+def _ended_well(prompt: Prompt, run: PromptRun) -> bool:
+    end = "loaded" if prompt.meaning.task == "contact" else "reached"
+    return run.motion is not None and run.motion.state == end
 
 
 def _edges(box: Box) -> tuple[float, float, float, float]:

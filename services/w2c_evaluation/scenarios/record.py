@@ -89,6 +89,8 @@ class Played:
     prompts: list[PromptRun] = field(default_factory=list)
     goal_ids: list[str] = field(default_factory=list)
     """Of all goals that the controller accepted, whoever asked for them"""
+    afterwards_problem: str = ""
+    """What went wrong in what was done after the words"""
     system_problem: str = ""
     """A process that did not start or answer"""
 

@@ -4,7 +4,7 @@ import logging
 import shutil
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +35,8 @@ from w2c_evaluation.scenarios.truth_log import TruthLog
 
 log = logging.getLogger("w2c.scenarios")
 
+Afterwards = Callable[[Bus, TruthLog], str]
+"""What is done after the last prompt; returns what went wrong, empty = nothing"""
 RECORDING, PICTURES = "session.mcap", "pictures"
 
 
@@ -48,6 +50,7 @@ class RunOptions:
     words: Words
     keep: bool
     """Keep recordings of successes too"""
+    afterwards: Afterwards | None = None
 
 
 def run_scenario(experiment: Experiment, seed: int, options: RunOptions) -> RunResult:
@@ -81,8 +84,8 @@ def run_scenario(experiment: Experiment, seed: int, options: RunOptions) -> RunR
 def conclude(scenario: Scenario, seed: int, played: Played, verdict: Verdict | None) -> RunResult:
     """Return the result of what was played; without a verdict the system failed."""
     problems = () if verdict is None else verdict.problems
-    if played.system_problem:
-        problems = (played.system_problem, *problems)
+    for problem in (played.afterwards_problem, played.system_problem):
+        problems = (problem, *problems) if problem else problems
     succeeded = verdict is not None and not problems
     return RunResult(
         scenario=scenario.name,
@@ -117,6 +120,8 @@ def _cause(scenario: Scenario, played: Played, verdict: Verdict | None) -> str:
     if verdict is None or played.system_problem:
         return "system"
     failed = [index for index, texts in enumerate(verdict.prompt_problems) if texts]
+    if played.afterwards_problem:
+        return "control"
     # A fall or a hit in a run whose prompts went well is the controller's.
     index = failed[0] if failed else len(scenario.prompts) - 1
     run = played.prompts[index] if index < len(played.prompts) else PromptRun()
@@ -148,6 +153,8 @@ def _play(
         conversation = Conversation(bus, truth, book, film, rng=rng, words=words)
         try:
             conversation.play(scenario)
+            if options.afterwards is not None and conversation.succeeded(scenario):
+                conversation.played.afterwards_problem = options.afterwards(bus, truth)
         except W2CError as error:
             conversation.played.system_problem = str(error)
         robot = Robot(witness.links, witness.effectors, description.hand_radius)

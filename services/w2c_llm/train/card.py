@@ -73,7 +73,7 @@ chat model: asked anything else it answers nonsense (in the schema, as every mod
 
 {data}
 
-Written by hand and drawn by `w2c_dialogue.corpus`; no text was taken from elsewhere.
+The corpus was written by hand and drawn by `w2c_dialogue.corpus`; no text of it is from elsewhere.
 
 ## Scores
 

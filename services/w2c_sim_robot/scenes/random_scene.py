@@ -180,7 +180,8 @@ def _lights(rng: np.random.Generator) -> tuple[Light, ...]:
 
 
 def _surroundings(rng: np.random.Generator) -> Surroundings:
-    floor = rng.choice(["tiles", "wood", "concrete", "carpet"])
+    # As Python's own text: a scene file takes no other.
+    floor = rng.choice(["tiles", "wood", "concrete", "carpet"]).item()
     colour = shade(COLOURS[str(rng.choice(["grey", "white", "brown", "blue", "green"]))], rng, 0.15)
     pale = 0.35 + 0.6 * np.asarray(colour)
     wall = np.clip(rng.uniform(0.5, 0.95) + rng.uniform(-0.08, 0.08, 3), 0, 1)

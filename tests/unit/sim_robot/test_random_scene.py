@@ -1,6 +1,7 @@
 """Scenes by chance: reproducible, apart, told apart, judged on what is never trained on."""
 
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -41,6 +42,11 @@ def stage_of(scene: Scene) -> str:
 def test_a_seed_always_gives_the_same_scene() -> None:
     assert random_scene(7) == random_scene(7)
     assert random_scene(7).objects != random_scene(8).objects
+
+
+def test_a_random_scene_can_be_kept_in_a_file(tmp_path: Path) -> None:
+    scenes.save(random_scene(3), tmp_path / "scene.json")
+    assert scenes.load(tmp_path / "scene.json") == random_scene(3)
 
 
 def test_things_stand_on_tables_counters_shelves_and_floors(training: list[Scene]) -> None:
