@@ -34,6 +34,9 @@ def info(options: Namespace) -> Report:
         lines.append(f"DAMAGED: {overview.damage}")
     lines += [f"  {name:<20} {value}" for name, value in overview.session.items()]
     lines += _channel_lines(overview)
+    lines += [
+        f"{topic}  {count} in another encoding" for topic, count in overview.elsewhere.items()
+    ]
     channels = [{**asdict(channel), "rate_hz": channel.rate_hz} for channel in overview.channels]
     values = {**asdict(overview), "messages": overview.messages, "channels": channels}
     return Report(lines, values)

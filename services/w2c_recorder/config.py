@@ -16,6 +16,8 @@ class RecorderConfig(ServiceConfig, frozen=True, kw_only=True):
     """Record into the run directory from the start; without it, wait for `w2c record start`."""
     compression: Compression = "lz4"
     """Of the chunks. zstd makes smaller files for more processor time."""
+    foxglove: bool = True
+    """Write images, transforms, joint states, logs and targets once more for Foxglove and Rerun."""
     queue_size: Annotated[int, msgspec.Meta(ge=100, le=1_000_000)] = 20_000
     """Messages that may wait for the disk: 15 s of a running robot. More is dropped and counted."""
     minimum_free_mb: Annotated[float, msgspec.Meta(ge=0)] = 200.0

@@ -10,6 +10,7 @@ from typing import Any
 
 from w2c import messages as m
 from w2c import topics
+from w2c.bus import RawReceived
 from w2c.errors import ConfigError, W2CError
 from w2c.library import library
 from w2c_recorder.columns import TIMES, Row, Span, rows_of
@@ -128,6 +129,25 @@ def _checked_by(read: Any) -> Any:
     return refuses
 
 
+def _foxglove(options: Namespace) -> Report:
+    """Write the same recording with channels for Foxglove and Rerun beside its own."""
+    from w2c_recorder.foxglove.mirror import Mirror
+    from w2c_recorder.mcap_file import SESSION_METADATA, McapFile
+
+    out = options.out or options.file.with_name(f"{options.file.stem}-foxglove.mcap")
+    source, mirror = Recording(options.file), Mirror()
+    source.read_metadata()
+    file = McapFile(out, source.metadata.get(SESSION_METADATA, {}), mirror=mirror)
+    for recorded in source.messages(decode=False):
+        raw = RawReceived(recorded.key, recorded.payload, recorded.log_time_ns)
+        file.write(raw, recorded.log_time_ns)
+    file.close()
+    lines = [f"recording: {out}, {file.messages} messages, {file.shown} for Foxglove and Rerun"]
+    if mirror.problem:
+        lines.append(f"the robot is not shown as it moves: {mirror.problem}")
+    return Report(lines + _damage(source), status=0 if file.shown else 1)
+
+
 def _json_lines(values: Iterable[Values]) -> bytes:
     return b"".join(json.dumps(one, ensure_ascii=False).encode() + b"\n" for one in values)
 
@@ -137,4 +157,4 @@ def _damage(source: Recording) -> list[str]:
     return [f"the recording was not closed: {damage.reason}"] if damage.reason else []
 
 
-_FORMATS = {"csv": _csv, "dataset": _dataset}
+_FORMATS = {"csv": _csv, "dataset": _dataset, "foxglove": _foxglove}

@@ -1,10 +1,12 @@
 """One MCAP file that is being written: channels, chunks, metadata, losses, and its end."""
 
 import fcntl
+import logging
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 from mcap.well_known import MessageEncoding, SchemaEncoding
@@ -19,11 +21,20 @@ from w2c_recorder.liveliness import Liveliness, is_liveliness_key
 from w2c_recorder.losses import LossCounter
 from w2c_recorder.schemas import json_schema
 
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtobufMessage
+
+    from w2c_recorder.foxglove.mirror import Mirror
+
 PROFILE = "words2contact"
 SESSION_METADATA = "session"
 LOSSES_METADATA = "losses"
+MIRROR_PREFIX = "foxglove/"
+"""Of the topics that repeat what other channels hold, for other programs"""
 CHUNK_BYTES = 1_000_000
 """Of messages before compression; a chunk is what a crash of the process can lose."""
+
+log = logging.getLogger("w2c.recorder")
 
 _COMPRESSION = {
     "lz4": CompressionType.LZ4,
@@ -102,13 +113,28 @@ class McapFile:
     """
 
     def __init__(
-        self, path: Path, metadata: dict[str, str], compression: Compression = "lz4"
+        self,
+        path: Path,
+        metadata: dict[str, str],
+        compression: Compression = "lz4",
+        mirror: "Mirror | None" = None,
     ) -> None:
+        """Make the file.
+
+        Args:
+            path: of the new file.
+            metadata: of the session.
+            compression: of its chunks.
+            mirror: what repeats messages for Foxglove and Rerun; None = nothing is repeated.
+        """
         self.path = path
         self.messages = 0
+        self.shown = 0
+        """Messages for Foxglove and Rerun, beside those of the bus."""
         self.malformed = 0
         """Messages without a readable envelope; recorded all the same."""
         self.losses = LossCounter()
+        self._mirror = mirror
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         try:
@@ -151,6 +177,29 @@ class McapFile:
                 sequence=sequence & 0xFFFF_FFFF,
             )
         self.messages += 1
+        if self._mirror is not None:
+            self._repeat(self._mirror, received, log_time_ns, publish_time_ns)
+
+    def _repeat(
+        self, mirror: "Mirror", received: RawReceived, log_time_ns: int, publish_time_ns: int
+    ) -> None:
+        """Write a message once more for Foxglove. What was on the bus is safe whatever happens."""
+        robot = received.key.split("/")[2] if received.key.count("/") > 1 else ""
+        try:
+            shown = list(mirror.shown(received.key, received.payload, publish_time_ns))
+        except Exception:  # the boundary: the recording goes on without its pictures
+            log.exception("nothing is repeated for Foxglove any more")
+            self._mirror = None
+            return
+        with self._writing():
+            for one in shown:
+                self._writer.add_message(
+                    self._shown_channel(f"{MIRROR_PREFIX}{robot}/{one.topic}", one.message),
+                    log_time=log_time_ns,
+                    data=one.message.SerializeToString(),
+                    publish_time=min(max(publish_time_ns, 0), 2**64 - 1),
+                )
+                self.shown += 1
 
     def flush(self) -> None:
         """End the chunk, so that what came so far is readable whatever happens to this process."""
@@ -182,6 +231,24 @@ class McapFile:
                 schema_id=0 if message_type is None else self._schema_of(message_type),
             )
             self._channels[key] = channel
+        return channel
+
+    def _shown_channel(self, topic: str, message: "ProtobufMessage") -> int:
+        channel = self._channels.get(topic)
+        if channel is None:
+            from w2c_recorder.foxglove.protocol import schema_of
+
+            name, descriptors = schema_of(message)
+            if name not in self._schemas:
+                self._schemas[name] = self._writer.register_schema(
+                    name=name, encoding=SchemaEncoding.Protobuf, data=descriptors
+                )
+            channel = self._writer.register_channel(
+                topic=topic,
+                message_encoding=MessageEncoding.Protobuf,
+                schema_id=self._schemas[name],
+            )
+            self._channels[topic] = channel
         return channel
 
     def _schema_of(self, message_type: type[Message]) -> int:

@@ -12,6 +12,7 @@ from w2c.clock import Clock
 from w2c.errors import ConfigError, RecordingError, RefusedError
 from w2c.messages import Empty, MarkRequest, RecorderStatus, RecordRequest
 from w2c_recorder.config import RecorderConfig
+from w2c_recorder.foxglove.mirror import Mirror
 from w2c_recorder.liveliness import Liveliness, LivelinessWatch, key_of
 from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.metadata import session_metadata
@@ -93,7 +94,8 @@ class RecorderNode:
 
     def _new_file(self, path: Path) -> McapFile:
         metadata = session_metadata(self._bus.robot, self._config.run_directory, self._bus.boot_id)
-        return McapFile(path, metadata, self._config.compression)
+        mirror = Mirror() if self._config.foxglove else None
+        return McapFile(path, metadata, self._config.compression, mirror)
 
     def _serve_start(self, request: RecordRequest, _context: CallContext) -> RecorderStatus:
         status = self._status(self._running().start(self._path_for(request.path)))

@@ -53,6 +53,8 @@ class Overview:
     session: dict[str, str]
     """Versions, robot, host, run directory."""
     channels: list[ChannelSummary]
+    elsewhere: dict[str, int]
+    """Topic -> messages in other encodings: repeats for Foxglove, or another program's."""
 
     @property
     def messages(self) -> int:
@@ -86,6 +88,7 @@ def overview_of(recording: Recording) -> Overview:
         start_ns=recording.start_ns,
         duration_s=(end_ns - recording.start_ns) * 1e-9,
         session=recording.metadata.get(SESSION_METADATA, {}),
+        elsewhere=dict(sorted(recording.elsewhere.items())),
         channels=sorted(channels.values(), key=lambda channel: channel.key),
     )
 

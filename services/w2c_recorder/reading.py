@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mcap.records import Message as McapMessage
+from mcap.well_known import MessageEncoding
 
 from w2c import topics
 from w2c.bus import Envelope, decode_envelope
@@ -55,6 +56,8 @@ class Recording:
         """Name -> values. Complete after all messages were read, because the last is at the end."""
         self.damage = Damage()
         """What could not be read. Final after all messages were read."""
+        self.elsewhere: dict[str, int] = {}
+        """Topic -> messages in other encodings: repeats for other programs, or foreign ones."""
         self._reader = RecordReader(path)
         self.start_ns = 0
         """Arrival of the first message of any key [ns since 1970]; 0 before one was read."""
@@ -71,14 +74,22 @@ class Recording:
         """
         reader = self._reader = RecordReader(self.path)
         self.damage = reader.damage
+        self.elsewhere = {}
         for record in reader.contents():
             if isinstance(record, McapMessage):
                 self.start_ns = self.start_ns or record.log_time
-                key = reader.channels[record.channel_id].topic
-                if wanted(key):
+                channel = reader.channels[record.channel_id]
+                key = channel.topic
+                if channel.message_encoding != MessageEncoding.MessagePack:
+                    self.elsewhere[key] = self.elsewhere.get(key, 0) + 1
+                elif wanted(key):
                     yield _recorded(key, record, decode=decode)
             else:
                 self.metadata[record.name] = dict(record.metadata)
+
+    def read_metadata(self) -> None:
+        """Read what stands before the first message."""
+        next(self.messages(decode=False), None)
 
     def other_schemas(self) -> dict[str, str]:
         """Return key -> message of the channels read so far that another version described."""

@@ -1,0 +1,1 @@
+"""What is recorded, once more in the messages that Foxglove and Rerun show."""
