@@ -19,7 +19,7 @@ EXTRAS = {
     "perception": ("pinocchio", "cv2", "zstandard"),
     "controller": ("pinocchio", "daqp", "piqp"),
     "sim-robot": ("mujoco", "cv2"),
-    "recorder": ("mcap", "lz4", "zstandard"),
+    "recorder": ("mcap", "lz4", "zstandard", "cv2", "foxglove_schemas_protobuf"),
     "console": ("starlette", "uvicorn", "websockets"),
 }
 
