@@ -37,6 +37,8 @@ class ConsoleModel:
         self._frames = FrameHistory()
         self._journal = Journal()
         self._target: Target | None = None
+        self._destination: Target | None = None
+        """The confirmed target that the robot moves to"""
         self._advice: AdviceNews | None = None
         self._area: AreaNews | None = None
         self._health: dict[tuple[str, str], Aged[Health]] = {}
@@ -91,8 +93,13 @@ class ConsoleModel:
 
     def on_turn(self, message: Turn, time_ms: int) -> None:
         """Take in an exchange; `time_ms` is the wall clock [ms]."""
+        target = message.target
         with self._lock:
             self._journal.add_turn(message, time_ms)
+            if message.state != "moving":
+                self._destination = None
+            elif target is not None and target.state == "confirmed":
+                self._destination = target
         self._tell()
 
     def on_goal(self, message: GoalEvent, time_ms: int) -> None:
@@ -139,7 +146,7 @@ class ConsoleModel:
     def scene(self, *, live: bool) -> Scene:
         """Return what the operator should see."""
         with self._lock:
-            return compose(self._frames, self._target, live=live)
+            return compose(self._frames, self._shown(), self._destination, live=live)
 
     def header(self, scene: Scene, now_ns: int) -> PictureHeader:
         """Return what is said of a scene."""
@@ -158,6 +165,8 @@ class ConsoleModel:
             frozen=scene.frozen,
             notice=scene.notice,
             marker=scene.marker,
+            destination=scene.destination,
+            moving_to=scene.moving_to,
             boxes=list(scene.boxes),
             area=str(scene.area_stamp_ns),
         )
@@ -184,9 +193,16 @@ class ConsoleModel:
                 robot=panel.robot_panel(self._robot, now_ns),
                 controller=panel.controller_panel(self._controller, now_ns),
                 recorder=panel.recorder_panel(self._recorder, now_ns),
-                target=panel.target_panel(self._target),
+                target=panel.target_panel(self._shown()),
                 processes=panel.process_rows(self._health, self._table, self._alive, now_ns),
             )
+
+    def _shown(self) -> Target | None:
+        """Return the target that matters: one that was taken back leaves that of the motion."""
+        target = self._target
+        if target is None or target.state == "abandoned":
+            return self._destination or target
+        return target
 
     def _tell(self) -> None:
         with self._lock:

@@ -48,6 +48,10 @@ class PictureHeader(msgspec.Struct, frozen=True):
     notice: str
     """Why there is no target on the picture, or why it does not move; for the operator"""
     marker: Marker | None
+    destination: Marker | None
+    """What the robot moves to, where the marker is another target. None, too: it is not seen"""
+    moving_to: str
+    """Its id; "" = the robot does not move, or to the marker"""
     boxes: list[LabelledBox]
     area: str
     """Stamp of the picture whose allowed area fits this one too; "-1": of none"""

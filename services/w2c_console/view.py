@@ -52,6 +52,10 @@ class Scene:
     notice: str = ""
     area_stamp_ns: int = -1
     """Of the picture whose allowed area fits this one too; -1: of none"""
+    destination: Marker | None = None
+    """The confirmed target, where another one is shown meanwhile"""
+    moving_to: str = ""
+    """Its id, in the picture or not"""
 
 
 class FrameHistory:
@@ -123,14 +127,29 @@ class FrameHistory:
         return None
 
 
-def compose(history: FrameHistory, target: Target | None, *, live: bool) -> Scene:
+def compose(
+    history: FrameHistory,
+    target: Target | None,
+    destination: Target | None = None,
+    *,
+    live: bool,
+) -> Scene:
     """Return what the operator should see now.
 
     Args:
         history: pictures and camera poses.
         target: the current target.
+        destination: what the robot moves to, be it this target or another; None: it does not.
         live: the operator asked for the newest picture, even if the target cannot be drawn on it.
     """
+    scene = _with_target(history, target, live=live)
+    if destination is None or target is None or target.target_id == destination.target_id:
+        return scene
+    marker = None if scene.frame is None else _marker_on(history, scene.frame, destination)
+    return replace(scene, destination=marker, moving_to=destination.target_id)
+
+
+def _with_target(history: FrameHistory, target: Target | None, *, live: bool) -> Scene:
     newest = history.newest
     if newest is None or target is None or target.state == "abandoned":
         return Scene(newest)
@@ -203,6 +222,15 @@ def _without_place(
         return Scene(newest, notice=notice)
     scene = _on_own_frame(own, target)
     return replace(scene, frozen=True, notice=f"Picture frozen. {reason}")
+
+
+def _marker_on(history: FrameHistory, frame: Frame, target: Target) -> Marker | None:
+    """Return where a target is on a picture; None where that is not known, or outside."""
+    if frame.stamp_ns == target.frame_stamp_ns:
+        return _marker(target, target.u, target.v)
+    view = history.view(frame.stamp_ns)
+    pixel = None if view is None else project(view, target)
+    return None if pixel is None else _marker(target, *pixel)
 
 
 def _marker(target: Target, u: float, v: float) -> Marker:

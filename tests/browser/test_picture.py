@@ -151,6 +151,27 @@ def test_a_silent_perception_freezes_the_page_too(world: ConsoleWorld, open_page
     page.get_by_text("perception is silent").wait_for()
 
 
+def test_what_the_robot_moves_to_and_what_waits_for_a_yes_are_told_apart(
+    world: ConsoleWorld, open_page: Open
+) -> None:
+    world.take_picture(SECOND)
+    page = open_page()
+    confirmed = make_target("t-1", SECOND, state="confirmed")
+    world.dialogue.show(confirmed)
+    world.dialogue.turn("yes", "confirmation", "On my way.", target=confirmed, state="moving")
+    page.get_by_role("img", name="target t-1").wait_for()
+    proposed = make_target("t-2", SECOND, point=BOOK_TOP + np.array([0.0, 0.2, 0.0]))
+    world.dialogue.show(proposed)
+    destination = page.get_by_role("img", name="moving to t-1")
+    destination.wait_for()
+    page.get_by_role("img", name="target t-2").wait_for()
+    page.get_by_role("button", name="Confirm t-2").wait_for()
+    page.get_by_role("region", name="Target").get_by_text("moving to t-1").wait_for()
+    assert destination.locator("circle").count() == 0  # another shape, not only another colour
+    world.dialogue.turn("", "none", "There.", state="in_contact")
+    destination.wait_for(state="hidden")
+
+
 def test_the_allowed_area_is_shaded_on_its_own_picture_and_can_be_hidden(
     world: ConsoleWorld, open_page: Open
 ) -> None:

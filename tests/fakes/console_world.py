@@ -25,6 +25,7 @@ from w2c.messages import (
     CameraView,
     ConfirmRequest,
     ControllerStatus,
+    ConversationState,
     Empty,
     GoalEvent,
     Health,
@@ -108,6 +109,8 @@ class FakeDialogue:
         *,
         ok: bool = True,
         options: list[str] | None = None,
+        target: Target | None = None,
+        state: ConversationState = "idle",
     ) -> Turn:
         """Publish and return one exchange."""
         turn = Turn(
@@ -117,6 +120,8 @@ class FakeDialogue:
             reply=reply,
             ok=ok,
             options=options or [],
+            target=target,
+            state=state,
             seconds=0.42,
             steps={"selector": 0.031, "analyzer": 0.118, "grounding": 0.204, "lift": 0.006},
         )

@@ -15,7 +15,8 @@ const HINT = "Click on the picture to point at a place.";
  * @typedef {{left: number, top: number, right: number, bottom: number, phrase: string}} Box
  * @typedef {{
  *   sequence: number, stamp: string, robot_boot: string, width: number, height: number, age_s: number, silent_s: number,
- *   limit_s: number, frozen: boolean, notice: string, marker: Marker | null, boxes: Box[], area: string,
+ *   limit_s: number, frozen: boolean, notice: string, marker: Marker | null, destination: Marker | null,
+ *   moving_to: string, boxes: Box[], area: string,
  * }} Header
  */
 
@@ -60,6 +61,11 @@ export class Camera {
     return this.header?.marker ?? null;
   }
 
+  /** Id of the target that the robot moves to while another one is drawn; "": there is none. */
+  get movingTo() {
+    return this.header?.moving_to ?? "";
+  }
+
   wish() {
     return JSON.stringify({ shown: this.header?.sequence ?? 0, live: this.live });
   }
@@ -100,7 +106,9 @@ export class Camera {
     byId("boxes", SVGGElement).replaceChildren(...header.boxes.map(boxShape));
     this.area.show(header.area);
     const marker = header.marker;
-    byId("marker", SVGGElement).replaceChildren(...(marker === null ? [] : [markerShape(marker, header)]));
+    const markers = marker === null ? [] : [markerShape(marker, header)];
+    if (header.destination !== null) markers.unshift(destinationShape(header.destination, header));
+    byId("marker", SVGGElement).replaceChildren(...markers);
     byId("picture", HTMLElement).classList.toggle("frozen", header.frozen);
     const button = byId("live", HTMLButtonElement);
     if (header.notice === "") this.live = false;
@@ -168,6 +176,26 @@ function markerShape(marker, header) {
       { x: leftwards ? u - 28 : u + 28, y: v + 7, "text-anchor": leftwards ? "end" : "start" },
       shortId(marker.target_id),
     ),
+  );
+}
+
+/**
+ * Where the robot moves to while another target waits for a yes: another shape, so that no colour is needed to tell.
+ * @param {Marker} marker
+ * @param {Header} header
+ */
+function destinationShape(marker, header) {
+  const { u, v } = marker;
+  const r = RING_RADIUS;
+  const path = `M ${u} ${v - r} L ${u + r} ${v} L ${u} ${v + r} L ${u - r} ${v} Z`;
+  const leftwards = u > header.width - 240;
+  const label = `moving to ${shortId(marker.target_id)}`;
+  return makeSvg(
+    "g",
+    { role: "img", "aria-label": label, class: "marker destination" },
+    makeSvg("path", { class: "halo", d: path }),
+    makeSvg("path", { class: "ring", d: path }),
+    makeSvg("text", { x: leftwards ? u - 28 : u + 28, y: v + 7, "text-anchor": leftwards ? "end" : "start" }, label),
   );
 }
 

@@ -109,6 +109,8 @@ function showTarget() {
   confirmButton.title = vetoed ? said.refusal : "";
   showAdvice(said);
   confirmButton.textContent = marker?.state === "proposed" ? `Confirm ${shortId(marker.target_id)}` : "Confirm";
+  byId("target-going", HTMLElement).textContent =
+    camera.movingTo === "" ? "" : `– the robot is moving to ${shortId(camera.movingTo)}`;
   const name = byId("target-name", HTMLElement);
   const words = byId("target-words", HTMLElement);
   const warning = byId("target-warning", HTMLElement);

@@ -1,7 +1,7 @@
 """What the console knows, and what it tells the page of it."""
 
-from fakes.table_picture import make_target
-from w2c.messages import CameraFrame, GoalEvent, Turn
+from fakes.table_picture import BOOK_TOP, make_target
+from w2c.messages import CameraFrame, GoalEvent, Target, Turn
 from w2c_console.journal import ENTRIES_KEPT
 from w2c_console.model import ConsoleModel
 from w2c_console.page import GoalEntry, TurnEntry
@@ -24,6 +24,19 @@ def frame(stamp_ns: int) -> CameraFrame:
 
 def turn(text: str) -> Turn:
     return Turn(stamp_ns=7, text=text, module="none", reply="no", ok=False, seconds=0.1)
+
+
+def after(state: str, target: Target | None = None) -> Turn:
+    return Turn(
+        stamp_ns=7,
+        text="",
+        module="none",
+        reply="so be it",
+        ok=True,
+        target=target,
+        state=state,  # type: ignore[arg-type]
+        seconds=0.1,
+    )
 
 
 def test_before_the_first_picture_the_header_says_so() -> None:
@@ -59,6 +72,50 @@ def test_the_picture_of_a_target_without_depth_is_kept_until_it_is_decided() -> 
     assert scene.frozen
     assert scene.frame is not None
     assert scene.frame.stamp_ns == SECOND
+
+
+def test_what_the_robot_moves_to_stays_in_sight_while_another_target_is_shown() -> None:
+    model = ConsoleModel()
+    model.on_frame(frame(SECOND), 0)
+    confirmed = make_target("t-1", SECOND, state="confirmed")
+    model.on_target(confirmed)
+    model.on_turn(after("moving", confirmed), 0)
+    alone = model.scene(live=False)
+    assert (alone.marker is not None, alone.destination, alone.moving_to) == (True, None, "")
+
+    proposed = make_target("t-2", SECOND, point=BOOK_TOP + 0.05)
+    model.on_target(proposed)
+    model.on_turn(after("moving", proposed), 0)
+    both = model.scene(live=False)
+    assert both.marker is not None
+    assert both.destination is not None
+    assert (both.marker.target_id, both.marker.state) == ("t-2", "proposed")
+    assert (both.destination.target_id, both.moving_to) == ("t-1", "t-1")
+    assert (both.destination.u, both.destination.v) == (confirmed.u, confirmed.v)
+
+    model.on_frame(frame(2 * SECOND), 0)  # the camera's pose is not known there
+    unplaced = model.scene(live=True)
+    assert (unplaced.destination, unplaced.moving_to) == (None, "t-1")
+
+    model.on_turn(after("in_contact"), 0)
+    assert model.scene(live=False).moving_to == ""
+
+
+def test_a_target_that_is_taken_back_leaves_the_one_of_the_motion() -> None:
+    model = ConsoleModel()
+    model.on_frame(frame(SECOND), 0)
+    confirmed = make_target("t-1", SECOND, state="confirmed")
+    model.on_turn(after("moving", confirmed), 0)
+    dropped = make_target("t-2", SECOND, state="abandoned")
+    model.on_target(dropped)
+    model.on_turn(after("moving", dropped), 0)
+    scene = model.scene(live=False)
+    panel = model.panel(0).target
+    assert scene.marker is not None
+    assert panel is not None
+    assert (scene.marker.target_id, scene.moving_to, panel.target_id) == ("t-1", "", "t-1")
+    model.on_turn(after("idle"), 0)
+    assert model.scene(live=False).marker is None
 
 
 def test_listeners_hear_of_pictures_targets_and_chat_until_they_leave() -> None:
