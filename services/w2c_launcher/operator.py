@@ -27,6 +27,7 @@ from w2c.messages import (
 from w2c.system import Connection, service_config
 from w2c_launcher.advice import follow_advice
 from w2c_launcher.placing import PlaceConfig, place_point
+from w2c_launcher.turn_text import turn_lines
 
 FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}
 GOOD_STATES = {"loaded", "reached", "released"}
@@ -238,16 +239,7 @@ def _follow(events: Queue[GoalEvent], goal_id: str, patience_s: float) -> int:
 
 
 def _print_turn(turn: Turn) -> None:
-    print(f"[{turn.module}] {turn.reply}")
-    if turn.target is not None:
-        target = turn.target
-        place_text = ""
-        if target.point is not None:
-            x, y, z = target.point
-            place_text = f", in the world ({x:.3f}, {y:.3f}, {z:.3f}) m"
-        print(f"target {target.target_id} at pixel ({target.u:.0f}, {target.v:.0f}){place_text}")
-        if target.warning:
-            print(f"warning: {target.warning}")
+    print("\n".join(turn_lines(turn)))
 
 
 def _split_words(arguments: list[str]) -> tuple[list[str], list[str]]:
