@@ -9,7 +9,7 @@ from w2c import topics
 from w2c.bus import Bus, CallContext, Envelope, RawReceived, encode_envelope
 from w2c.bus.codec import ENVELOPE_VERSION
 from w2c.clock import Clock
-from w2c.errors import ConfigError, RecordingError, RefusedError
+from w2c.errors import CallError, ConfigError, RecordingError, RefusedError
 from w2c.messages import Empty, MarkRequest, RecorderStatus, RecordRequest
 from w2c_recorder.config import RecorderConfig
 from w2c_recorder.foxglove.mirror import Mirror
@@ -17,9 +17,12 @@ from w2c_recorder.liveliness import Liveliness, LivelinessWatch, key_of
 from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.metadata import session_metadata
 from w2c_recorder.recovery import recover_directory
-from w2c_recorder.writer_thread import Progress, WriterThread
+from w2c_recorder.writer_thread import Limits, Progress, WriterThread
 
 STATUS_PERIOD_S = 1.0
+DESCRIBE_TIMEOUT_S = 2.0
+LOOKS_BEFORE_ASKING = 3
+"""A process that has just appeared does not answer yet, and a call that fails would be told"""
 
 log = logging.getLogger("w2c.recorder")
 
@@ -44,6 +47,10 @@ class RecorderNode:
         self._watch = LivelinessWatch()
         self._liveliness_sequence: dict[str, int] = {}
         self._writer: WriterThread | None = None
+        self._mirror = Mirror() if config.foxglove else None
+        self._noted_path = ""
+        self._described = False
+        self._robot_seen = 0
 
     def configure(self) -> None:
         """Recover what an earlier recorder left open, subscribe to everything, begin to record."""
@@ -56,6 +63,8 @@ class RecorderNode:
         self._writer = WriterThread(
             self._bus.raw_queue(everything, config.queue_size),
             self._new_file,
+            successor=lambda first: next_path(first.parent, first.stem),
+            limits=Limits(round(config.rotate_mb * 1e6), config.rotate_minutes * 60.0),
             minimum_free_bytes=int(config.minimum_free_mb * 1e6),
         )
         if config.autostart:
@@ -71,7 +80,9 @@ class RecorderNode:
     def run(self, stop: threading.Event) -> None:
         """Publish the status and note who comes and goes, until stopped."""
         while not stop.is_set():
+            self._begin_file()
             self._note_liveliness()
+            self._ask_robot()
             self._bus.publish(topics.RECORDER_STATUS, self._status())
             stop.wait(STATUS_PERIOD_S)
 
@@ -94,13 +105,10 @@ class RecorderNode:
 
     def _new_file(self, path: Path) -> McapFile:
         metadata = session_metadata(self._bus.robot, self._config.run_directory, self._bus.boot_id)
-        mirror = Mirror() if self._config.foxglove else None
-        return McapFile(path, metadata, self._config.compression, mirror)
+        return McapFile(path, metadata, self._config.compression, self._mirror)
 
     def _serve_start(self, request: RecordRequest, _context: CallContext) -> RecorderStatus:
-        status = self._status(self._running().start(self._path_for(request.path)))
-        self._watch = LivelinessWatch()  # the new file, too, shall begin with who is there
-        return status
+        return self._status(self._running().start(self._path_for(request.path)))
 
     def _serve_stop(self, _request: Empty, _context: CallContext) -> RecorderStatus:
         return self._status(self._running().stop())
@@ -147,6 +155,27 @@ class RecorderNode:
             lost=progress.lost,
             error=progress.error,
         )
+
+    def _begin_file(self) -> None:
+        """Let each new file, too, begin with who is there and what the robot is like."""
+        path = self._running().progress.path
+        if path != self._noted_path:
+            self._noted_path = path
+            self._watch = LivelinessWatch()
+            self._described = False
+
+    def _ask_robot(self) -> None:
+        """Ask for the robot's description, once a file: its trace puts it into the recording."""
+        recording = self._running().progress.recording
+        there = any(service == topics.DESCRIBE.service for service, _ in self._bus.alive())
+        self._robot_seen = self._robot_seen + 1 if there else 0
+        if self._described or not recording or self._robot_seen < LOOKS_BEFORE_ASKING:
+            return
+        try:
+            self._bus.call(topics.DESCRIBE, Empty(), timeout_s=DESCRIBE_TIMEOUT_S)
+            self._described = True
+        except CallError as error:
+            log.debug("the robot is not described yet: %s", error)
 
     def _note_liveliness(self) -> None:
         """Write who came and went since the last look: the tokens themselves are no messages."""

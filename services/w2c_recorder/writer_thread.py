@@ -10,6 +10,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from w2c import topics
 from w2c.bus import RawQueue, RawReceived
 from w2c.errors import RecordingError, RefusedError
 from w2c_recorder.mcap_file import McapFile
@@ -19,6 +20,10 @@ FLUSH_PERIOD_S = 0.5
 RECEIVE_TIMEOUT_S = 0.05
 DRAIN_TIMEOUT_S = 2.0
 """How long a stop writes what is queued: a bus that never falls silent must not hold it up."""
+
+SNAPSHOT_SUFFIX = f"/{topics.CONTROLLER_SNAPSHOT.key('*').split('/', 3)[-1]}"
+SNAPSHOT_AGE_S = 5.0
+"""An older one is of a controller that is gone; it would only make the file begin in the past"""
 
 log = logging.getLogger("w2c.recorder")
 
@@ -38,6 +43,14 @@ class Progress:
     """Why the recording stopped by itself"""
 
 
+@dataclass(frozen=True)
+class Limits:
+    """Beyond which the next file of a recording begins. 0 = never."""
+
+    size_bytes: int = 0
+    duration_s: float = 0.0
+
+
 class WriterThread:
     """Writes all that a queue gives, while a recording is on. Any thread may call its methods.
 
@@ -50,12 +63,31 @@ class WriterThread:
         messages: RawQueue,
         new_file: Callable[[Path], McapFile],
         *,
+        successor: Callable[[Path], Path] | None = None,
+        limits: Limits = Limits(),
         minimum_free_bytes: int = 0,
         free_bytes: Callable[[Path], int] = lambda directory: shutil.disk_usage(directory).free,
         wall_minus_monotonic_ns: Callable[[], int] = lambda: time.time_ns() - time.monotonic_ns(),
     ) -> None:
+        """Start the thread.
+
+        Args:
+            messages: from the bus.
+            new_file: makes a file.
+            successor: path of the first file of a recording -> that of the next; None = a recording
+                is one file.
+            limits: of one file; beyond them the next one begins.
+            minimum_free_bytes: the recording stops when less is free on its disk.
+            free_bytes: of the disk of a directory.
+            wall_minus_monotonic_ns: what turns arrivals into wall time.
+        """
         self._messages = messages
         self._new_file = new_file
+        self._successor = successor
+        self._limits = limits
+        self._first_path = Path()
+        self._began_at = 0.0
+        self._snapshot: RawReceived | None = None
         self._minimum_free_bytes = minimum_free_bytes
         self._free_bytes = free_bytes
         self._wall_minus_monotonic_ns = wall_minus_monotonic_ns
@@ -143,7 +175,10 @@ class WriterThread:
         except RecordingError as error:
             self._progress = Progress(path=str(path), error=str(error))
             raise
+        self._first_path = path
+        self._snapshot = None
         self._offset_ns = self._wall_minus_monotonic_ns()
+        self._began_at = time.monotonic()
         log.info("recording", extra={"path": str(path)})
         self._flush()
 
@@ -154,6 +189,8 @@ class WriterThread:
             self._file.write(received, received.received_ns + self._offset_ns)
         except RecordingError as error:
             self._fail(error)
+        if received.key.endswith(SNAPSHOT_SUFFIX):
+            self._snapshot = received
 
     def _flush(self) -> None:
         """Make what was written survive a crash, and see whether there is room for more."""
@@ -170,6 +207,43 @@ class WriterThread:
             self._check_space(self._file.path)
         except RecordingError as error:
             self._finish(str(error))  # only the reserve is touched: there is room for the end
+            return
+        self._rotate(self._file)
+
+    def _rotate(self, file: McapFile) -> None:
+        """Begin the next file where this one is full. Nothing is lost: the bus waits in its queue.
+
+        It begins with the controller's last snapshot, so that each file can be replayed alone.
+        """
+        size, duration = self._limits.size_bytes, self._limits.duration_s
+        full = 0 < size <= file.bytes_written
+        old = 0.0 < duration <= time.monotonic() - self._began_at
+        if self._successor is None or not (full or old) or not file.messages:
+            return
+        try:
+            file.close()
+        except RecordingError as error:
+            self._fail(error)
+            return
+        path = self._successor(self._first_path)
+        try:
+            self._file = self._new_file(path)
+        except RecordingError as error:
+            self._file = None
+            self._progress = _progress_of(file, recording=False, error=str(error))
+            log.error("recording stopped: %s", error)
+            return
+        self._file.losses = file.losses  # what is missing between two files is missing, too
+        self._began_at = time.monotonic()
+        log.info("recording goes on in the next file", extra={"path": str(path)})
+        if self._snapshot is not None and self._is_recent(self._snapshot):
+            self._write(self._snapshot)
+        if self._file is not None:
+            self._note(self._file)
+
+    @staticmethod
+    def _is_recent(received: RawReceived) -> bool:
+        return time.monotonic_ns() - received.received_ns < SNAPSHOT_AGE_S * 1e9
 
     def _finish(self, error: str = "") -> None:
         """Write what is queued, and close."""

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 
@@ -22,6 +23,7 @@ from w2c.messages import (
     MarkRequest,
     RecorderStatus,
     RecordRequest,
+    RobotDescription,
 )
 from w2c_recorder.config import RecorderConfig
 from w2c_recorder.liveliness import Liveliness
@@ -239,3 +241,21 @@ def test_next_path_counts_on(tmp_path: Path) -> None:
         path.touch()
 
         assert path.name == name
+
+
+def test_the_robot_is_asked_what_it_is_like(hub: InProcessHub, tmp_path: Path) -> None:
+    asked = threading.Event()
+
+    def describe(_request: Empty, _context: object) -> RobotDescription:
+        asked.set()
+        raise RefusedError("not now")
+
+    with hub.connect("robot") as robot:
+        robot.serve(topics.DESCRIBE, describe)
+        with (
+            patch("w2c_recorder.node.LOOKS_BEFORE_ASKING", 1),
+            recorder(hub, tmp_path),
+        ):
+            assert asked.wait(5.0)
+
+    assert "w2c/v1/test/trace/recorder/call" in keys(tmp_path / "session.mcap")

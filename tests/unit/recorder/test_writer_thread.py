@@ -5,15 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from support.recordings import raw_mark
+from support.recordings import raw_mark, raw_message
 from support.waiting import wait_until
+from w2c import topics
 from w2c.bus import RawReceived
 from w2c.bus.mailbox import Mailbox
 from w2c.errors import RecordingError, RefusedError
 from w2c.messages import MarkRequest
 from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.reading import Recording
-from w2c_recorder.writer_thread import WriterThread
+from w2c_recorder.writer_thread import Limits, WriterThread
 
 Inbox = Mailbox[RawReceived]
 
@@ -218,3 +219,64 @@ def test_the_reserve_of_the_disk_is_left_to_others_and_the_file_is_closed(
     recording = Recording(tmp_path / "a.mcap")
     assert [str(recorded.sequence) for recorded in recording.messages()] == sent
     assert recording.damage.complete
+
+
+def test_a_full_file_is_followed_by_the_next_and_nothing_is_lost(
+    inbox: Inbox, tmp_path: Path
+) -> None:
+    names = iter(["a-1.mcap", "a-2.mcap", "a-3.mcap"])
+    writer = WriterThread(
+        inbox,
+        new_file,
+        successor=lambda first: first.with_name(next(names)),
+        limits=Limits(size_bytes=100),
+    )
+    writer.start(tmp_path / "a.mcap")
+    sent = fill(inbox, 50)
+    wait_until(lambda: writer.progress.path.endswith("a-1.mcap"))
+    sent += fill(inbox, 50, first=50)
+    progress = writer.stop()
+    writer.shut_down()
+
+    files = sorted(tmp_path.iterdir(), key=lambda path: path.stat().st_ctime_ns)
+    assert [path.name for path in files][:2] == ["a.mcap", "a-1.mcap"]
+    assert [text for path in files for text in texts(path)] == sent
+    assert (progress.error, progress.lost) == ("", {})
+    assert Path(progress.path).name != "a.mcap"
+
+
+def test_the_next_file_begins_with_the_last_snapshot(inbox: Inbox, tmp_path: Path) -> None:
+    key = topics.CONTROLLER_SNAPSHOT.key("test")
+    writer = WriterThread(
+        inbox,
+        new_file,
+        successor=lambda first: first.with_name("b.mcap"),
+        limits=Limits(duration_s=0.01),
+    )
+    writer.start(tmp_path / "a.mcap")
+    for sequence in range(2):
+        inbox.put(raw_message(MarkRequest(text="x"), key, sequence))
+    wait_until((tmp_path / "b.mcap").exists)
+    inbox.put(raw_mark("later"))
+    writer.shut_down()
+
+    begins = next(Recording(tmp_path / "b.mcap").messages())
+    assert (begins.key, begins.sequence) == (key, 1)
+
+
+def test_where_the_next_file_cannot_be_made_the_recording_stops_loudly(
+    inbox: Inbox, tmp_path: Path
+) -> None:
+    writer = WriterThread(
+        inbox,
+        new_file,
+        successor=lambda first: first.parent / "missing" / "b.mcap",
+        limits=Limits(duration_s=0.01),
+    )
+    writer.start(tmp_path / "a.mcap")
+    sent = fill(inbox, 3)
+    wait_until(lambda: not writer.progress.recording)
+    writer.shut_down()
+
+    assert "missing/b.mcap cannot be written" in writer.progress.error
+    assert texts(tmp_path / "a.mcap") == sent
