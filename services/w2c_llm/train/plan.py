@@ -38,7 +38,7 @@ class TrainingPlan:
     shape: Shape = Shape()
     batch: int = 96
     peak_rate: float | None = None
-    prompt_weight: float = 0.2
+    prompt_weight: float = 0.0
     threads: int = 2
     weights: WeightsName = "q8_0"
     seed: int = 0
