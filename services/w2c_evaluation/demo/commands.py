@@ -85,7 +85,8 @@ def _play_story(config: DemoConfig) -> int:
     if config.json:
         Path(config.json).write_text(text)
     make_strip(played / PICTURES, directory / "story.jpg")
-    print(format_story(result, config.boxes, recording))
+    done = "" if story.afterwards is None else story.afterwards.title
+    print(format_story(result, config.boxes, recording, done))
     print(f"pictures             {directory / 'story.jpg'}")
     print(f"all of it            {directory}")
     return 0 if result.succeeded else 1

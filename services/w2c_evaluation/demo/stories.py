@@ -103,7 +103,10 @@ def _instructions(witness: Witness, *, leaning: bool) -> Iterator[dict[str, Any]
 
 STORIES: dict[str, Story] = {
     **{name: Story(experiment) for name, experiment in EXPERIMENTS.items()},
-    "e": Story(Experiment("e", "a hand on a wall, a foot lifted", draw_wall), lift_left_foot),
+    "e": Story(
+        Experiment("e", "a hand on a wall, a foot lifted", draw_wall),
+        Afterwards("the left foot was lifted, and held for 3 s", lift_left_foot),
+    ),
     "random": Story(Experiment("random", "a random scene", draw_random)),
 }
 

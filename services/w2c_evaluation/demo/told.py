@@ -36,15 +36,19 @@ def make_summary(result: RunResult, boxes: Boxes, recording: str) -> dict[str, A
     }
 
 
-def format_story(result: RunResult, boxes: Boxes, recording: str) -> str:
-    """Return the same for the terminal."""
-    lines = ["", f"{'said':<52} {'understood as':<15} {'point':<15} time"]
-    lines += [_line(turn) for turns in result.turns for turn in turns]
+def format_story(result: RunResult, boxes: Boxes, recording: str, afterwards: str = "") -> str:
+    """Return the same for the terminal; `afterwards`: what was done after the words."""
+    turns = [turn for turns in result.turns for turn in turns]
+    width = max([*(len(_said(turn)) for turn in turns), len("said")])
+    lines = ["", f"{'said':<{width}} {'understood as':<20} {'point':<15} time"]
+    lines += [_line(turn, width) for turn in turns]
     errors = ", ".join(f"{error:.0f} mm" for error in result.hand_errors_mm) or "-"
     lines += ["", f"hand from its place  {errors}"]
     if result.support_force_n:
         low, middle, _ = result.support_force_n
         lines.append(f"support while it reaches  {middle:.0f} N, {low:.0f} N at the least 5 %")
+    if afterwards and result.succeeded:
+        lines.append(f"then                 {afterwards}")
     lines += [
         f"fell                 {'yes' if result.fell else 'no'}",
         f"recording            {recording}",
@@ -56,7 +60,10 @@ def format_story(result: RunResult, boxes: Boxes, recording: str) -> str:
     return "\n".join(lines)
 
 
-def _line(turn: Understood) -> str:
-    text = "(the button)" if turn.kind == "button" else turn.text
+def _said(turn: Understood) -> str:
+    return "(the button)" if turn.kind == "button" else turn.text
+
+
+def _line(turn: Understood, width: int) -> str:
     point = "-" if turn.pixel is None else f"({turn.pixel[0]:.0f}, {turn.pixel[1]:.0f})"
-    return f"{text:<52} {turn.module or '-':<15} {point:<15} {turn.seconds:.2f} s"
+    return f"{_said(turn):<{width}} {turn.module or '-':<20} {point:<15} {turn.seconds:.2f} s"

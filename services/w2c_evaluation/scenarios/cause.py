@@ -51,7 +51,12 @@ def find_cause(prompt: Prompt, run: PromptRun, *, right_place: bool) -> Cause:
 
 
 def cause_of_turn(turn: Understood, meaning: Meaning) -> Cause | None:
-    """Return what of a turn was answered wrongly, whether it mattered or not; None = nothing."""
+    """Return what of a turn was answered wrongly, whether it mattered or not; None = nothing.
+
+    A question that could be answered is no wrong answer; what comes of it is judged.
+    """
+    if turn.asks == "answered":
+        return None
     if words_are_wrong(turn, meaning):
         return "words"
     if vision_is_wrong(turn, meaning):

@@ -13,7 +13,6 @@ from w2c import topics
 from w2c.bus import Bus
 from w2c.errors import CallError
 from w2c.messages import (
-    Box,
     CameraFrame,
     CaptureRequest,
     ConfirmRequest,
@@ -24,15 +23,16 @@ from w2c.messages import (
     Turn,
 )
 from w2c_evaluation.demo.operator import FINAL_STATES, ScenarioError
+from w2c_evaluation.scenarios.answering import read_question
 from w2c_evaluation.scenarios.eyewitness import Wanted, circle_of, find_place
 from w2c_evaluation.scenarios.film import Film
+from w2c_evaluation.scenarios.noting import Said, note
 from w2c_evaluation.scenarios.phrase_book import PhraseBook
-from w2c_evaluation.scenarios.record import Motion, Played, PromptRun, Understood
+from w2c_evaluation.scenarios.record import Asks, Kind, Motion, Played, PromptRun
 from w2c_evaluation.scenarios.scenario import Prompt, Scenario
 from w2c_evaluation.scenarios.scripted_words import ScriptedWords
-from w2c_evaluation.scenarios.sight import Pixel, Sight
+from w2c_evaluation.scenarios.sight import Sight
 from w2c_evaluation.scenarios.speaker import GiveUp, Speaker, Yes
-from w2c_evaluation.scenarios.true_boxes import see
 from w2c_evaluation.scenarios.truth_log import TruthLog
 from w2c_evaluation.scenarios.wording import Saying
 
@@ -42,6 +42,13 @@ MOST_PICTURES = 4
 """In a row, of which some are lost"""
 LOOK_AGAIN = "Look at the live picture"
 """How the dialogue asks for it, where it does not have a picture"""
+KINDS: dict[type[Prompt | Saying | Yes], Kind] = {
+    Prompt: "prompt",
+    Saying: "correction",
+    Yes: "yes",
+}
+MOST_QUESTIONS = 3
+"""In a row, about the same words"""
 MOTION_PATIENCE_S = 300.0
 """Wall time: a lock step on a busy machine takes five times as long as the motion"""
 SETTLE_S = {"contact": 1.5, "reach": 3.0}
@@ -98,6 +105,10 @@ class Conversation:
         runs = self.played.prompts
         return len(runs) == len(scenario.prompts) and _ended_well(scenario.prompts[-1], runs[-1])
 
+    def show(self, caption: str) -> None:
+        """Keep a picture of the robot from outside."""
+        self._film.take(self._outside(), caption)
+
     def _wait_until_it_stands(self) -> None:
         deadline = time.monotonic() + STAND_PATIENCE_S
         while time.monotonic() < deadline:
@@ -116,8 +127,13 @@ class Conversation:
         if run.wanted is None:
             run.problem = f"the place ({place.description}) is hidden"
             return
-        speaker = Speaker(self._rng)
-        target = self._say(prompt, run, None)
+        beside_cm = 100.0 * float(np.linalg.norm(place.beside))
+        speaker = Speaker(self._rng, beside_cm=beside_cm)
+        target = self._say(prompt, run, None, speaker)
+        if target is None and run.turns[-1].asks == "open":
+            again = speaker.repeat(prompt)
+            if again is not None:
+                target = self._say(again, run, None, speaker)
         while target is not None:
             sight = self._look(target, run.wanted)
             jpeg = frame.jpeg if self._frame is None else self._frame.jpeg
@@ -126,7 +142,7 @@ class Conversation:
             if isinstance(answer, GiveUp):
                 run.problem = answer.reason
                 return
-            shown = self._say(answer, run, target)
+            shown = self._say(answer, run, target, speaker)
             if isinstance(answer, Yes):
                 if run.motion is None and (shown is None or shown.target_id == target.target_id):
                     self._press_confirm(target, run)
@@ -138,18 +154,51 @@ class Conversation:
             return
         self._follow(run.motion)
         limb = run.motion.effector.replace("_", " ")
-        self._film.take(self._outside(), f"{limb}: {run.motion.state}")
+        self.show(f"{limb}: {run.motion.state}")
 
     def _say(
-        self, said: Prompt | Saying | Yes, run: PromptRun, target: Target | None
+        self,
+        said: Prompt | Saying | Yes,
+        run: PromptRun,
+        target: Target | None,
+        speaker: Speaker,
     ) -> Target | None:
-        """Say something; returns the target that is shown then, None where none is proposed."""
+        """Say something, and answer what is asked back.
+
+        Returns:
+            The target that is shown then; None where none is proposed.
+        """
         if self._words is not None:
             self._words.expect(said)
+        meant = (said.du, said.dv) if isinstance(said, Saying) else None
+        about = Said(KINDS[type(said)], target, meant)
+        turn, answered = self._tell(said.text, target), 0
+        while answered < MOST_QUESTIONS:
+            answer = self._answer(turn, said, run, speaker)
+            if answer is None:
+                break
+            self._note(turn, about, run, "answered", answers=answered > 0)
+            turn, answered = self._tell(answer, target), answered + 1
+        self._note(turn, about, run, "open" if turn.options else "", answers=answered > 0)
+        return turn.target
+
+    def _answer(
+        self, turn: Turn, said: Prompt | Saying | Yes, run: PromptRun, speaker: Speaker
+    ) -> str | None:
+        """Return the answer to what a turn asks; None: it asks nothing, or no option fits."""
+        question = read_question(turn)
+        if question is None or run.wanted is None or self._frame is None:
+            return None
+        with self._log.moment(self._frame.stamp_ns) as witness:
+            wanted = circle_of(witness, run.wanted)
+        return speaker.answer_question(question, said, wanted)
+
+    def _tell(self, text: str, target: Target | None) -> Turn:
+        """Say words; returns the answer."""
         for _ in range(MOST_PICTURES):
             # Who corrects or confirms looks at the picture that the target is shown in.
             request = SayRequest(
-                text=said.text,
+                text=text,
                 frame_stamp_ns=-1 if self._frame is None else self._frame.stamp_ns,
                 target_id="" if target is None else target.target_id,
             )
@@ -157,10 +206,7 @@ class Conversation:
             if turn.ok or LOOK_AGAIN not in turn.reply:
                 break
             self._look_anew()
-        kind = {Prompt: "prompt", Saying: "correction", Yes: "yes"}[type(said)]
-        meant = (said.du, said.dv) if isinstance(said, Saying) else None
-        self._note(turn, kind, run, target, meant)
-        return turn.target
+        return turn
 
     def _press_confirm(self, target: Target, run: PromptRun) -> None:
         """Press the button of the page, as who is not understood does."""
@@ -170,59 +216,15 @@ class Conversation:
             return
         request = ConfirmRequest(target_id=target.target_id)
         turn = self._bus.call(topics.CONFIRM, request).message
-        self._note(turn, "button", run, target, None)
+        self._note(turn, Said("button", target), run)
         if run.motion is None:
             run.problem = f"not gone to: {turn.reply}"
 
     def _note(
-        self,
-        turn: Turn,
-        kind: str,
-        run: PromptRun,
-        before: Target | None,
-        meant: Pixel | None,
+        self, turn: Turn, said: Said, run: PromptRun, asks: Asks = "", *, answers: bool = False
     ) -> None:
-        """Write a turn down beside what is true in its picture."""
-        target = turn.target
-        owner, true_point = "", None
-        true_boxes: list[tuple[float, float, float, float] | None] = []
-        if target is not None:
-            with self._log.moment(target.frame_stamp_ns) as witness:
-                surface = witness.surface(target.u, target.v)
-                if surface is not None:
-                    x, y, z = surface.point.tolist()
-                    owner, true_point = surface.owner, (x, y, z)
-                if kind == "prompt":
-                    for phrase in target.phrases:
-                        names = self._book.find(phrase)
-                        seen = see(witness, names[0]) if names else None
-                        true_boxes.append(None if seen is None else _edges(seen.box()))
-        point = None
-        if target is not None and target.point is not None:
-            x, y, z = target.point.tolist()
-            point = (x, y, z)
-        run.turns.append(
-            Understood(
-                text=turn.text,
-                kind=kind,  # type: ignore[arg-type]
-                module=turn.module,
-                ok=turn.ok,
-                reply=turn.reply,
-                seconds=turn.seconds,
-                pixel=None if target is None else (target.u, target.v),
-                before=None if before is None else (before.u, before.v),
-                meant=meant,
-                phrases=() if target is None else tuple(target.phrases),
-                boxes=() if target is None else tuple(_edges(box) for box in target.boxes),
-                true_boxes=tuple(true_boxes),
-                point=point,
-                true_point=true_point,
-                true_owner=owner,
-                effector=turn.end_effector,
-                task=turn.task,
-                goal_id=turn.goal_id,
-            )
-        )
+        """Write a turn down, and the motion that it started."""
+        run.turns.append(note(turn, said, self._log, self._book, asks, answers=answers))
         if turn.goal_id:
             run.motion = Motion(
                 turn.goal_id,
@@ -295,7 +297,3 @@ class Conversation:
 def _ended_well(prompt: Prompt, run: PromptRun) -> bool:
     end = "loaded" if prompt.meaning.task == "contact" else "reached"
     return run.motion is not None and run.motion.state == end
-
-
-def _edges(box: Box) -> tuple[float, float, float, float]:
-    return box.left, box.top, box.right, box.bottom

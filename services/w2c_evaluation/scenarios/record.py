@@ -10,6 +10,8 @@ from w2c_evaluation.scenarios.eyewitness import Wanted
 
 Boxes = Literal["model", "truth"]
 Words = Literal["model", "scripted"]
+Kind = Literal["prompt", "correction", "yes", "button"]
+Asks = Literal["", "answered", "open"]
 Cause = Literal["words", "vision", "geometry", "control", "operator", "scene", "system"]
 CAUSES: tuple[Cause, ...] = (
     "words", "vision", "geometry", "control", "operator", "scene", "system",
@@ -22,11 +24,15 @@ class Understood(msgspec.Struct, frozen=True, kw_only=True):
     """One turn of the conversation, and what was true in its picture."""
 
     text: str
-    kind: Literal["prompt", "correction", "yes", "button"]
+    kind: Kind
     module: str
     ok: bool
     reply: str
     seconds: float
+    asks: Asks = ""
+    """The reply is a question that the operator could answer, or that none of its options fitted"""
+    answers: bool = False
+    """It answers a question: `kind` is that of the words that were asked about"""
     pixel: tuple[float, float] | None = None
     """Shown after it"""
     before: tuple[float, float] | None = None
@@ -79,7 +85,7 @@ class PromptRun:
     @property
     def corrections(self) -> int:
         """Return how many were said."""
-        return sum(turn.kind == "correction" for turn in self.turns)
+        return sum(turn.kind == "correction" and not turn.answers for turn in self.turns)
 
 
 @dataclass

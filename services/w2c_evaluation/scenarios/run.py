@@ -35,9 +35,17 @@ from w2c_evaluation.scenarios.truth_log import TruthLog
 
 log = logging.getLogger("w2c.scenarios")
 
-Afterwards = Callable[[Bus, TruthLog], str]
-"""What is done after the last prompt; returns what went wrong, empty = nothing"""
 RECORDING, PICTURES = "session.mcap", "pictures"
+
+
+@dataclass(frozen=True)
+class Afterwards:
+    """What is done after the last prompt, without words."""
+
+    title: str
+    """What has happened when it went well"""
+    act: Callable[[Bus, TruthLog], str]
+    """Returns what went wrong; empty = nothing"""
 
 
 @dataclass(frozen=True)
@@ -154,7 +162,9 @@ def _play(
         try:
             conversation.play(scenario)
             if options.afterwards is not None and conversation.succeeded(scenario):
-                conversation.played.afterwards_problem = options.afterwards(bus, truth)
+                problem = options.afterwards.act(bus, truth)
+                conversation.played.afterwards_problem = problem
+                conversation.show(problem or options.afterwards.title)
         except W2CError as error:
             conversation.played.system_problem = str(error)
         robot = Robot(witness.links, witness.effectors, description.hand_radius)

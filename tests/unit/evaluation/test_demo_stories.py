@@ -35,7 +35,8 @@ def test_what_is_said_at_the_wall_is_what_words_can_say(tmp_path: Path) -> None:
     story.experiment.draw_layout(0, path)
     prompts = story.experiment.read(path).prompts
     assert [(p.meaning.effector, p.meaning.task) for p in prompts] == [("right_hand", "contact")]
-    assert story.afterwards is lift_left_foot
+    assert story.afterwards is not None
+    assert story.afterwards.act is lift_left_foot
 
 
 def test_in_a_random_scene_a_thing_within_reach_is_named_so_that_it_is_found(
@@ -127,8 +128,12 @@ def test_boxes_from_truth_are_told() -> None:
     assert BOXES_FROM_TRUTH in format_story(result(), "truth", "x.mcap")
     assert BOXES_FROM_TRUTH not in format_story(result(), "model", "x.mcap")
     assert make_summary(result(), "truth", "x.mcap")["boxes"] == "truth"
+    assert "then                 a foot was up" in format_story(
+        result(), "model", "", "a foot was up"
+    )
     failed = result(succeeded=False, problems=("it fell",), cause="control")
     assert "PROBLEM              it fell (from control)" in format_story(failed, "model", "")
+    assert "a foot was up" not in format_story(failed, "model", "", "a foot was up")
     assert "(640, 360)" in format_story(failed, "model", "")
 
 
