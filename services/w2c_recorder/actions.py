@@ -203,12 +203,11 @@ def why(options: Namespace) -> Report:
 
     source = Recording(options.file)
     history = history_of(source)
-    damage = _damage_lines(source)
     steps = list(explain(history, motion_at(source, history.instant(options.at))))
     lines = [
         f"{step.seconds:10.3f} s  {step.what:<12} {step.text}  <{step.link}>" for step in steps
     ]
     return Report(
-        lines + damage,
+        lines + _damage_lines(source),
         {"path": str(options.file), "at": options.at, "steps": [asdict(step) for step in steps]},
     )

@@ -113,6 +113,16 @@ def _pictures(
     return cameras, names
 
 
+def _film(options: Namespace) -> Report:
+    """Write the camera's pictures as a film."""
+    from w2c_recorder.film import write_film
+
+    out = options.out or Path(options.file.stem + ".mp4")
+    source = Recording(options.file)
+    count = write_film(source, out)
+    return Report([f"film: {out}, {count} pictures", *_damage(source)])
+
+
 def _checked_by(read: Any) -> Any:
     """Return the check of a line by the very reader that training uses."""
 
@@ -157,4 +167,4 @@ def _damage(source: Recording) -> list[str]:
     return [f"the recording was not closed: {damage.reason}"] if damage.reason else []
 
 
-_FORMATS = {"csv": _csv, "dataset": _dataset, "foxglove": _foxglove}
+_FORMATS = {"csv": _csv, "dataset": _dataset, "foxglove": _foxglove, "mp4": _film}

@@ -81,9 +81,13 @@ def frame_at(
 
 def _projected(recording: Recording, frame: m.CameraFrame, target: m.Target) -> Overlay:
     """Return the target's point as it is seen in another picture; nothing where it is not seen."""
+    return projected(view_of(recording, frame), target)
+
+
+def projected(view: m.CameraView | None, target: m.Target) -> Overlay:
+    """Return the target's point as another picture shows it, by where the camera was then."""
     if target.point is None:
         return Overlay(label=f"{target.target_id} has no point in the world")
-    view = view_of(recording, frame)
     if view is None:
         return Overlay(label="where the camera was is not in the recording")
     x, y, z = apply(inverse(view.world_from_camera), target.point)

@@ -59,6 +59,7 @@ class Recording:
         self.elsewhere: dict[str, int] = {}
         """Topic -> messages in other encodings: repeats for other programs, or foreign ones."""
         self._reader = RecordReader(path)
+        self._read_whole = False
         self.start_ns = 0
         """Arrival of the first message of any key [ns since 1970]; 0 before one was read."""
 
@@ -72,20 +73,23 @@ class Recording:
         Raises:
             RecordingError: there is no such file, or it is no recording.
         """
-        reader = self._reader = RecordReader(self.path)
-        self.damage = reader.damage
-        self.elsewhere = {}
+        reader = RecordReader(self.path)
+        elsewhere: dict[str, int] = {}
+        if not self._read_whole:  # a second look that ends early must not forget what the first saw
+            self._reader, self.damage, self.elsewhere = reader, reader.damage, elsewhere
         for record in reader.contents():
             if isinstance(record, McapMessage):
                 self.start_ns = self.start_ns or record.log_time
                 channel = reader.channels[record.channel_id]
                 key = channel.topic
                 if channel.message_encoding != MessageEncoding.MessagePack:
-                    self.elsewhere[key] = self.elsewhere.get(key, 0) + 1
+                    elsewhere[key] = elsewhere.get(key, 0) + 1
                 elif wanted(key):
                     yield _recorded(key, record, decode=decode)
             else:
                 self.metadata[record.name] = dict(record.metadata)
+        self._reader, self.damage, self.elsewhere = reader, reader.damage, elsewhere
+        self._read_whole = True
 
     def read_metadata(self) -> None:
         """Read what stands before the first message."""

@@ -239,3 +239,18 @@ def test_what_was_never_agreed_to_says_so(tmp_path: Path) -> None:
 
     assert known.outcome == "not confirmed"
     assert [one.message.text for one in known.failed] == ["hm"]
+
+
+def test_a_yes_belongs_to_the_target_that_it_names(tmp_path: Path) -> None:
+    session = Session()
+    first, second = target(1, 40.0, instruction="here"), target(2, 20.0, instruction="there")
+    session.add(1.0, topics.TURN, turn("here", "prediction.absolute", first))
+    session.add(2.0, topics.TURN, turn("there", "prediction.absolute", second))
+    session.add(3.0, topics.TURN, turn("yes", "confirmation", first, goal_id="goal-1"))
+
+    outcomes = [
+        one.outcome
+        for one in conversations_of(history_of(Recording(session.write(tmp_path / "a"))))
+    ]
+
+    assert outcomes == ["confirmed", "not confirmed"]

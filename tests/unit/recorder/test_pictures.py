@@ -35,6 +35,12 @@ def test_a_target_comes_with_box_and_heat_of_its_phrase(session_file: Path) -> N
     assert [heat.shape for heat in overlay.heat] == [(6, 8)]
 
 
+def test_a_target_that_no_phrase_named_has_neither(session_file: Path) -> None:
+    _, overlay = picture(session_file, 2.5)
+
+    assert (overlay.point, overlay.boxes, overlay.heat) == ((20.0, 24.0), (), ())
+
+
 def test_before_the_first_target_the_newest_picture_is_bare(session_file: Path) -> None:
     frame, overlay = picture(session_file, 0.7)
 
@@ -136,3 +142,23 @@ def test_a_picture_that_was_not_recorded_leaves_the_story(tmp_path: Path) -> Non
 
     assert "<figure>" not in page.read_text()
     assert "to the left" in page.read_text()
+
+
+def test_the_film_keeps_the_time_of_the_recording(session_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "film.mp4"
+
+    assert recording(["export", str(session_file), "--to", "mp4", "--out", str(out)]) == 0
+
+    film = cv2.VideoCapture(str(out))
+    assert film.get(cv2.CAP_PROP_FPS) == 10.0
+    # From the first picture at 0.5 s to the end at 4 s, and the last one stays for its moment.
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == 36
+    film.release()
+
+
+def test_a_film_of_no_pictures_is_an_error(tmp_path: Path) -> None:
+    session = conversation()
+    session.raw = [raw for raw in session.raw if "rgbd" not in raw.key]
+
+    with pytest.raises(RecordingError, match="holds no picture"):
+        recording(["export", str(session.write(tmp_path / "a.mcap")), "--to", "mp4"])

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from support.recordings import MARK_KEY, raw_mark, write_recording
+from support.sessions import conversation
 from w2c.errors import ConfigError, RecordingError
 from w2c.messages import RecorderStatus
 from w2c_recorder.commands import describe_status, record, recording
@@ -73,6 +74,7 @@ ACTIONS = [
     ["why", "--at", "0"],
     ["export", "--to", "csv", "--channel", "state/robot/joints"],
     ["export", "--to", "dataset"],
+    ["export", "--to", "mp4"],
 ]
 
 
@@ -158,3 +160,22 @@ def test_the_status_tells_losses_and_why_it_stopped() -> None:
         "lost 4 of k",
         "stopped by itself: disk full",
     ]
+
+
+@pytest.mark.parametrize("action", ACTIONS, ids=" ".join)
+def test_of_a_half_written_session_what_is_there_is_read(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    action: list[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = conversation().write(tmp_path / "a.mcap", close=False)
+    path.write_bytes(path.read_bytes() + b"\x05\xff")
+    words = [word if word != "0" else "3.35" for word in action]
+
+    recording([*words, str(path)])
+
+    printed = capsys.readouterr().out
+    assert printed
+    assert action[0] == "frame" or "not closed" in printed
