@@ -51,6 +51,8 @@ class RecorderNode:
         self._noted_path = ""
         self._described = False
         self._robot_seen = 0
+        """Looks in a row at which the robot was there"""
+        self._ask_at = LOOKS_BEFORE_ASKING
 
     def configure(self) -> None:
         """Recover what an earlier recorder left open, subscribe to everything, begin to record."""
@@ -163,18 +165,21 @@ class RecorderNode:
             self._noted_path = path
             self._watch = LivelinessWatch()
             self._described = False
+            self._ask_at = LOOKS_BEFORE_ASKING
+            self._robot_seen = 0
 
     def _ask_robot(self) -> None:
         """Ask for the robot's description, once a file: its trace puts it into the recording."""
         recording = self._running().progress.recording
         there = any(service == topics.DESCRIBE.service for service, _ in self._bus.alive())
         self._robot_seen = self._robot_seen + 1 if there else 0
-        if self._described or not recording or self._robot_seen < LOOKS_BEFORE_ASKING:
+        if self._described or not recording or self._robot_seen < self._ask_at:
             return
         try:
             self._bus.call(topics.DESCRIBE, Empty(), timeout_s=DESCRIBE_TIMEOUT_S)
             self._described = True
         except CallError as error:
+            self._ask_at = 2 * self._robot_seen  # each attempt is in the recording
             log.debug("the robot is not described yet: %s", error)
 
     def _note_liveliness(self) -> None:

@@ -16,7 +16,7 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
 from w2c import messages as m
 from w2c import topics
-from w2c.errors import GeometryError
+from w2c.errors import GeometryError, MessageError
 from w2c.geometry import (
     Matrix,
     apply,
@@ -25,6 +25,7 @@ from w2c.geometry import (
     rotation_from_quaternion,
     transform,
 )
+from w2c_recorder.foxglove.cloud import cloud_of
 from w2c_recorder.foxglove.marks import annotations, robot_scene, target_scene
 from w2c_recorder.foxglove.protocol import Shown, timestamp
 from w2c_recorder.foxglove.tree import LinkTree, quaternions
@@ -88,7 +89,10 @@ class Mirror:
         elif row in self._show:
             try:
                 yield from self._show[row](message, time_ns, envelope.sender)
-            except GeometryError as error:  # a sensor or a sender that tells nonsense
+            except (
+                GeometryError,
+                MessageError,
+            ) as error:  # a sensor or a sender that tells nonsense
                 self.problem = f"{key}: {error}"
 
     def _wants(self, row: topics.Topic[Any], payload: bytes, time_ns: int) -> bool:
@@ -201,6 +205,9 @@ class Mirror:
             P=[fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0],
         )
         yield Shown("camera/calibration", calibration)
+        cloud = cloud_of(frame, time_ns)
+        if cloud is not None:
+            yield Shown("camera/cloud", cloud)
 
     def _target(self, target: m.Target, time_ns: int, _sender: str) -> Iterator[Shown]:
         yield Shown("camera/target", annotations(target, time_ns))

@@ -4,6 +4,7 @@ import itertools
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -12,13 +13,15 @@ from google.protobuf.message_factory import GetMessageClass
 from mcap.reader import make_reader
 
 from support.recordings import raw_mark
-from support.sessions import SECOND, Session, conversation, status
+from support.sessions import SECOND, Session, conversation, frame, status
 from w2c import messages as m
 from w2c import topics
 from w2c.bus import RawReceived
+from w2c.depth import encode_depth
 from w2c.errors import GeometryError
 from w2c.geometry import quaternion_from_rotation, rotation_from_quaternion
 from w2c_recorder.commands import recording
+from w2c_recorder.foxglove.cloud import cloud_of
 from w2c_recorder.foxglove.mirror import Mirror
 from w2c_recorder.foxglove.tree import LinkTree, quaternions
 from w2c_recorder.mcap_file import McapFile
@@ -244,3 +247,27 @@ def test_what_does_not_decode_is_not_shown() -> None:
         for payload in (b"", b"\xc1", b"\x80", b"describe" * 9, RawReceived.__doc__ or b""):
             data = payload if isinstance(payload, bytes) else payload.encode()
             assert list(mirror.shown(key, data, 1)) == []
+
+
+def test_depth_becomes_points_where_it_is_known() -> None:
+    depth = np.zeros((48, 64), np.float32)
+    depth[18, 30] = 2.0
+    seen = msgspec.structs.replace(frame(1), depth=encode_depth(depth))
+
+    cloud = cloud_of(seen, 1)
+
+    assert cloud is not None
+    assert np.frombuffer(cloud.data, "<f4") == pytest.approx(
+        [2 * (30.5 - 32) / 50, 2 * (18.5 - 24) / 50, 2.0], abs=1e-3
+    )
+    assert cloud_of(frame(1), 1) is None
+
+
+def test_depth_that_is_none_leaves_the_picture(tmp_path: Path) -> None:
+    told = session()
+    told.add(0.6, topics.CAMERA_FRAME, msgspec.structs.replace(frame(7), depth=b"no depth"))
+
+    found = exported(told, tmp_path)
+
+    assert len(found["foxglove/test/camera/image"]) == 3
+    assert "foxglove/test/camera/cloud" not in found
