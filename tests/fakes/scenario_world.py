@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import count
 
 import cv2
+import msgspec
 import numpy as np
 
 from w2c import topics
@@ -25,10 +26,12 @@ from w2c.messages import (
     CaptureRequest,
     ConfirmRequest,
     ControllerStatus,
+    Evidence,
     GoalEvent,
     Picture,
     PictureRequest,
     SayRequest,
+    Sighting,
     Target,
     Truth,
     Turn,
@@ -349,6 +352,39 @@ class FakeProduct:
             task=task,
             seconds=0.1,
         )
+
+
+class AskingProduct(FakeProduct):
+    """Asks which of two things a `Place ...` means, and what the first correction is."""
+
+    def __init__(self, hub: InProcessHub, *, among: Sequence[Thing] = THINGS) -> None:
+        """Serve; `among` are the things that it hesitates between."""
+        super().__init__(hub)
+        self.heard: list[str] = []
+        self._among = among
+        self._held: SayRequest | None = None
+        self._is_sure = False
+
+    def _say(self, request: SayRequest, context: CallContext) -> Turn:
+        self.heard.append(request.text)
+        if self._held is not None and request.text in ("left", "right", "new place", "change"):
+            held, self._held = self._held, None
+            return super()._say(held, context)
+        if request.text.startswith("Place"):
+            self._held = request
+            reply = "Which 'book' do you mean: left or right? I see 2 that fit."
+            return self._question(request.text, reply, ["left", "right"])
+        if self._target is not None and not self._is_sure and "yes" not in request.text:
+            self._held, self._is_sure = request, True
+            return self._question(request.text, "Which is it?", ["new place", "change"])
+        return super()._say(request, context)
+
+    def _question(self, text: str, reply: str, options: list[str]) -> Turn:
+        boxes = [_box(thing) for thing in self._among]
+        seen = Sighting(phrase="book", found=True, score=1.0, boxes=boxes)
+        evidence = Evidence(prompts="embedded", sightings=[seen])
+        turn = self._turn(text, "question", reply=reply, ok=False)
+        return msgspec.structs.replace(turn, options=options, evidence=evidence)
 
 
 def _pixel(x: float, y: float) -> tuple[float, float]:

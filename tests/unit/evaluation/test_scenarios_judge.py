@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fakes.scenario_world import SCENARIO
-from w2c_evaluation.scenarios.cause import find_cause, overlap
+from w2c_evaluation.scenarios.cause import cause_of_turn, find_cause, overlap
 from w2c_evaluation.scenarios.eyewitness import Wanted
 from w2c_evaluation.scenarios.hits import Robot
 from w2c_evaluation.scenarios.judge import Verdict, judge
@@ -337,3 +338,10 @@ def test_rows_and_table_count_everything() -> None:
     table = format_table([good, bad])
     assert "| a | 1 of 2 | 0.50 [0.09, 0.91] |" in table
     assert "| a, seed 1 | system | a / b | none |" in table
+
+
+def test_a_question_that_could_be_answered_is_no_wrong_answer() -> None:
+    prompt = SCENARIO.prompts[0]
+    asked = turn("place", module="question", ok=False, pixel=None, phrases=(), boxes=())
+    assert cause_of_turn(asked, prompt.meaning) is not None
+    assert cause_of_turn(msgspec.structs.replace(asked, asks="answered"), prompt.meaning) is None
