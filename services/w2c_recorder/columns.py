@@ -18,6 +18,7 @@ LONGEST_ARRAY = 200
 
 Cell = float | int | str
 Row = dict[str, Cell]
+Kind = type[float] | type[int] | type[str]
 
 
 @dataclass(frozen=True)
@@ -104,3 +105,11 @@ def _elements(name: str, array: m.Array, joints: list[str]) -> Iterator[tuple[st
     for index in np.ndindex(array.shape):
         label = ",".join(map(str, index)) if labels is None else labels[index[0]]
         yield f"{name}[{label}]", array[index].item()
+
+
+def common_kind(before: Kind | None, cell: Cell) -> Kind:
+    """Return the type that a column needs for its cells so far and one more."""
+    kind = type(cell)
+    if before is None or before is kind:
+        return kind
+    return str if str in (before, kind) else float

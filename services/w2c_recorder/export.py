@@ -12,8 +12,9 @@ from w2c import messages as m
 from w2c import topics
 from w2c.bus import RawReceived
 from w2c.errors import ConfigError, W2CError
+from w2c.extras import needs_extra
 from w2c.library import library
-from w2c_recorder.columns import TIMES, Row, Span, rows_of
+from w2c_recorder.columns import TIMES, Kind, Row, Span, common_kind, rows_of
 from w2c_recorder.conversations import Conversation, conversations_of
 from w2c_recorder.dataset import Camera, Values, conversation_values, training_lines
 from w2c_recorder.history import History, history_of
@@ -27,20 +28,26 @@ def export(options: Namespace) -> Report:
     return _FORMATS[options.to](options)
 
 
-def _csv(options: Namespace) -> Report:
+def _table(options: Namespace) -> Report:
     """Write one stream as a table: a row a message, a column a number."""
     if not options.channel:
-        raise ConfigError("--to csv needs --channel, as in: --channel state/robot/joints")
-    out = options.out or Path(options.channel.replace("/", "-") + ".csv")
+        raise ConfigError(f"--to {options.to} needs --channel, as in: --channel state/robot/joints")
+    out = options.out or Path(f"{options.channel.replace('/', '-')}.{options.to}")
     source = Recording(options.file)
     span = Span(options.start, float("inf") if options.end is None else options.end)
     # Twice through the file: which columns there are is known only at its end.
-    columns, known = list(TIMES), set(TIMES)
+    kinds: dict[str, Kind] = dict.fromkeys(TIMES, int)
     for row in rows_of(source, options.channel, span):
-        columns += [name for name in row if name not in known]
-        known.update(row)
-    count = _write_rows(out, columns, rows_of(source, options.channel, span))
-    lines = [f"table: {out}, {count} rows, {len(columns)} columns"]
+        for name, cell in row.items():
+            kinds[name] = common_kind(kinds.get(name), cell)
+    rows = rows_of(source, options.channel, span)
+    if options.to == "csv":
+        count = _write_rows(out, list(kinds), rows)
+    else:
+        with needs_extra("parquet"):
+            from w2c_recorder.parquet import write_parquet
+        count = write_parquet(out, kinds, rows)
+    lines = [f"table: {out}, {count} rows, {len(kinds)} columns"]
     return Report(lines + _damage(source), status=0 if count else 1)
 
 
@@ -167,4 +174,10 @@ def _damage(source: Recording) -> list[str]:
     return [f"the recording was not closed: {damage.reason}"] if damage.reason else []
 
 
-_FORMATS = {"csv": _csv, "dataset": _dataset, "foxglove": _foxglove, "mp4": _film}
+_FORMATS = {
+    "csv": _table,
+    "parquet": _table,
+    "dataset": _dataset,
+    "foxglove": _foxglove,
+    "mp4": _film,
+}

@@ -106,14 +106,14 @@ def _export(actions: "_Actions[argparse.ArgumentParser]") -> argparse.ArgumentPa
     action = _add(actions, "export", "write it for other programs")
     action.add_argument(
         "--to",
-        choices=("csv", "dataset", "mp4", "foxglove"),
+        choices=("csv", "parquet", "dataset", "mp4", "foxglove"),
         required=True,
-        help="csv: one stream as a table; dataset: the conversations, for training; mp4: the "
-        "camera's pictures as a film; foxglove: the recording with channels that Foxglove and "
-        "Rerun show, where it has none",
+        help="csv, parquet: one stream as a table; dataset: the conversations, for training; "
+        "mp4: the camera's pictures as a film; foxglove: the recording with channels that "
+        "Foxglove and Rerun show, where it has none",
     )
-    action.add_argument("--channel", default="", metavar="KIND/SERVICE/NAME", help="of a csv")
-    action.add_argument("--out", type=Path, metavar="PATH", help="file of a csv, or a directory")
-    action.add_argument("--start", type=seconds, default=0.0, metavar="T", help="of a csv")
-    action.add_argument("--end", type=seconds, metavar="T", help="of a csv")
+    action.add_argument("--channel", default="", metavar="KIND/SERVICE/NAME", help="of a table")
+    action.add_argument("--out", type=Path, metavar="PATH", help="file, or directory of a dataset")
+    action.add_argument("--start", type=seconds, default=0.0, metavar="T", help="of a table")
+    action.add_argument("--end", type=seconds, metavar="T", help="of a table")
     return action

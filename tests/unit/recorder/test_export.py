@@ -13,6 +13,7 @@ from w2c import messages as m
 from w2c import topics
 from w2c.errors import ConfigError
 from w2c.library import library
+from w2c_recorder.columns import common_kind
 from w2c_recorder.commands import recording
 from w2c_recorder.conversations import conversations_of
 from w2c_recorder.dataset import Camera, training_lines
@@ -89,6 +90,26 @@ def test_a_stream_that_is_not_there_names_those_that_are(session_file: Path) -> 
         recording(["export", str(session_file), "--to", "csv", "--channel", "state/robot"])
     with pytest.raises(ConfigError, match="--to csv needs --channel"):
         recording(["export", str(session_file), "--to", "csv"])
+
+
+def test_a_table_is_written_as_parquet(session_file: Path, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="needs the extra parquet")
+    out = tmp_path / "a.parquet"
+    flags = ["--to", "parquet", "--channel", "state/robot/joints", "--out", str(out)]
+    assert recording(["export", str(session_file), *flags]) == 0
+
+    found = parquet.read_table(out).to_pylist()
+    assert [row["tick"] for row in found] == list(range(10))
+    assert found[3]["position[0]"] == pytest.approx(0.3)
+    assert found[3]["mode"] == "tracking"
+
+
+def test_a_column_has_the_type_of_all_its_cells() -> None:
+    assert common_kind(None, 1) is int
+    assert common_kind(int, 2.5) is float
+    assert common_kind(float, 2) is float
+    assert common_kind(int, "none") is str
+    assert common_kind(str, 1.0) is str
 
 
 # --- conversations
