@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from w2c.errors import ConfigError, ControlError, GoalRefusedError
+from w2c.geometry import Vector
 from w2c.library import library
 from w2c.messages import PlaceGoal, RobotDescription
 
 TABLE_HEIGHT_M = 0.80
+BOOK_HEIGHT_M = 0.04
 CUP_GRASP_HEIGHT_M = 0.06
 """Of the point that the hand goes to, above the table"""
 CUP_RADIUS_M = 0.04
@@ -32,6 +34,14 @@ class Layout:
     """How far ahead the left hand gets at the cup's height, on two feet"""
     reach_with_support: float
     """The same with the right hand on the book"""
+
+    @property
+    def places(self) -> dict[str, Vector]:
+        """Return the points (3,) of book and cup that a hand goes to."""
+        return {
+            "book": np.array([*self.book_xy, TABLE_HEIGHT_M + BOOK_HEIGHT_M]),
+            "cup": np.array([*self.cup_xy, TABLE_HEIGHT_M + CUP_GRASP_HEIGHT_M]),
+        }
 
     def __str__(self) -> str:
         """Say it for a log."""
@@ -77,7 +87,7 @@ def _attempt(rng: np.random.Generator, description: RobotDescription) -> Layout 
         goal_id="layout",
         end_effector="right_hand",
         task="contact",
-        point=np.array([*book, TABLE_HEIGHT_M + 0.04]),
+        point=np.array([*book, TABLE_HEIGHT_M + BOOK_HEIGHT_M]),
         normal=np.array([0.0, 0.0, 1.0]),
     )
     ray = {

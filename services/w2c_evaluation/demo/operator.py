@@ -1,6 +1,7 @@
 """A scripted operator: says a line, waits for what comes of it, and measures it."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,9 @@ from w2c.messages import (
     Truth,
     Turn,
 )
+from w2c_evaluation.demo.answers import answer_for
 from w2c_evaluation.demo.scenario import Line
+from w2c_evaluation.scenarios.answering import MOST_QUESTIONS, read_question
 
 FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}
 END_EFFECTORS = ("left_foot", "right_foot", "left_hand", "right_hand")
@@ -52,9 +55,19 @@ class LineResult:
 class Operator:
     """Talks to the running system as a person would, through the bus."""
 
-    def __init__(self, bus: Bus, description: RobotDescription) -> None:
+    def __init__(
+        self, bus: Bus, description: RobotDescription, places: Mapping[str, Vector]
+    ) -> None:
+        """Begin to listen.
+
+        Args:
+            bus: Of the evaluation.
+            description: Of the robot.
+            places: Points (3,) of the things that lines mean, in the world [m].
+        """
         self._bus = bus
         self._description = description
+        self._places = places
         self._events = bus.queue(topics.GOAL_EVENT)
         self._targets = bus.queue(topics.TARGET)
         self._truth = bus.queue(topics.TRUTH, size=20_000)
@@ -75,13 +88,9 @@ class Operator:
 
     def perform(self, line: Line) -> LineResult:
         """Say a line and wait for its end. Raises ScenarioError."""
-        frame = self._frames.last()
-        request = SayRequest(
-            text=line.text,
-            frame_stamp_ns=-1 if frame is None else frame.message.stamp_ns,
-            target_id="" if self.target is None else self.target.target_id,
-        )
-        turn = self._bus.call(topics.SAY, request).message
+        turn = self._say(line.text, line)
+        if turn.options and line.again:
+            turn = self._say(line.again, line)
         if not turn.ok:
             raise ScenarioError(f"'{line.text}' was answered with: {turn.reply}")
         if turn.target is not None:
@@ -96,6 +105,28 @@ class Operator:
         self._measure(result)
         self.target = None
         return result
+
+    def _say(self, text: str, line: Line) -> Turn:
+        """Say a line in these words, and answer what is asked back; returns the last answer."""
+        turn = self._tell(text)
+        for _ in range(MOST_QUESTIONS):
+            question, view = read_question(turn), self._views.last()
+            if question is None or view is None:
+                break
+            answer = answer_for(question, line, self._places, view.message)
+            if answer is None:
+                break
+            turn = self._tell(answer)
+        return turn
+
+    def _tell(self, text: str) -> Turn:
+        frame = self._frames.last()
+        request = SayRequest(
+            text=text,
+            frame_stamp_ns=-1 if frame is None else frame.message.stamp_ns,
+            target_id="" if self.target is None else self.target.target_id,
+        )
+        return self._bus.call(topics.SAY, request).message
 
     def take_picture(self, view: str) -> bytes:
         """Return a JPEG of the robot from outside."""

@@ -48,7 +48,7 @@ def run_scenario(options: RunOptions) -> dict[str, Any]:
         config = ServiceConfig(robot=system.robot, router=system.router)
         with connect(config, "evaluation", [system.router]) as bus:
             description = bus.call(topics.DESCRIBE, Empty(), timeout_s=20.0).message
-            operator = Operator(bus, description)
+            operator = Operator(bus, description, layout.places)
             try:
                 operator.wait_until_it_stands()
                 for line in SCENARIO_A:

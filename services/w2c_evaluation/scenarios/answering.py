@@ -13,6 +13,8 @@ from w2c.messages import Box, Turn
 from w2c_evaluation.scenarios.scenario import Prompt, Side
 from w2c_evaluation.scenarios.sight import Pixel
 
+MOST_QUESTIONS = 3
+"""In a row that are answered, about the same words"""
 NEW_PLACE, CHANGE = "new place", "change"
 ORDINALS = ("first", "second", "third", "fourth", "fifth")
 FROM_THE_LEFT = " from the left"

@@ -23,7 +23,7 @@ from w2c.messages import (
     Turn,
 )
 from w2c_evaluation.demo.operator import FINAL_STATES, ScenarioError
-from w2c_evaluation.scenarios.answering import read_question
+from w2c_evaluation.scenarios.answering import MOST_QUESTIONS, read_question
 from w2c_evaluation.scenarios.eyewitness import Wanted, circle_of, find_place
 from w2c_evaluation.scenarios.film import Film
 from w2c_evaluation.scenarios.noting import Said, note
@@ -47,8 +47,6 @@ KINDS: dict[type[Prompt | Saying | Yes], Kind] = {
     Saying: "correction",
     Yes: "yes",
 }
-MOST_QUESTIONS = 3
-"""In a row, about the same words"""
 MOTION_PATIENCE_S = 300.0
 """Wall time: a lock step on a busy machine takes five times as long as the motion"""
 SETTLE_S = {"contact": 1.5, "reach": 3.0}
