@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from w2c_recorder.page import Picture
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg")
+CLOCK_TOLERANCE_S = 0.002
+"""The recorder ties arrivals to the wall clock once a file; clocks are slewed meanwhile"""
+SLOWEST_S = 0.5
+"""No link takes this long for the fastest of many messages"""
 MOST_PICTURE_BYTES = 100_000_000
 """On one page; a browser shows no more without pain"""
 
@@ -34,12 +38,26 @@ def info(options: Namespace) -> Report:
         lines.append(f"DAMAGED: {overview.damage}")
     lines += [f"  {name:<20} {value}" for name, value in overview.session.items()]
     lines += _channel_lines(overview)
+    lines += _clock_lines(overview)
     lines += [
         f"{topic}  {count} in another encoding" for topic, count in overview.elsewhere.items()
     ]
     channels = [{**asdict(channel), "rate_hz": channel.rate_hz} for channel in overview.channels]
     values = {**asdict(overview), "messages": overview.messages, "channels": channels}
     return Report(lines, values)
+
+
+def _clock_lines(overview: Overview) -> list[str]:
+    """Name the senders whose clock is not the recorder's."""
+    lines = []
+    for sender, age_s in overview.clocks.items():
+        if age_s < -CLOCK_TOLERANCE_S:
+            lines.append(f"CLOCK: that of {sender} is at least {-age_s:.3f} s ahead")
+        elif age_s > SLOWEST_S:
+            lines.append(
+                f"CLOCK: that of {sender} is behind, or its messages take {age_s:.3f} s and more"
+            )
+    return lines
 
 
 def _channel_lines(overview: Overview) -> list[str]:

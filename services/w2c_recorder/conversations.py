@@ -10,6 +10,7 @@ PREDICTION = "prediction."
 CORRECTION = "correction"
 CONFIRMATION = "confirmation"
 POINTED = "point"
+QUESTION = "question"
 
 
 @dataclass
@@ -23,6 +24,13 @@ class Conversation:
     confirmation: Timed[m.Turn] | None = None
     events: list[Timed[m.GoalEvent]] = field(default_factory=list)
     """Of its goal"""
+
+    asked: dict[int, str] = field(default_factory=dict)
+    """Number of a turn that answered a question -> the words that the question was about"""
+
+    def words(self, turn: Timed[m.Turn]) -> str:
+        """Return the words that a turn took up: those before a question, where it answered one."""
+        return self.asked.get(turn.source.sequence, turn.message.text)
 
     @property
     def confirmed(self) -> m.Target | None:
@@ -50,8 +58,15 @@ class Conversation:
 def conversations_of(history: History) -> Iterator[Conversation]:
     """Yield the conversations in the order of their first words."""
     found: list[Conversation] = []
+    words = ""
     for turn in history.turns:
+        if turn.message.module == QUESTION:
+            words = words or turn.message.text
+            continue
         _sort_in(found, turn)
+        if words and turn.message.ok and found:
+            found[-1].asked[turn.source.sequence] = words
+        words = ""
     for event in history.events:
         for conversation in found:
             confirmation = conversation.confirmation

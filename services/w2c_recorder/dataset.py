@@ -61,7 +61,8 @@ def training_lines(
     last = len(conversation.turns) - 1
     for number, turn in enumerate([*conversation.turns, conversation.confirmation]):
         limb = _answer(conversation.confirmation.message, "effector")
-        line = _line(turn.message, shown, moves, cameras, limb, corrected=number < last)
+        words = conversation.words(turn)
+        line = _line(turn.message, words, shown, moves, cameras, limb, corrected=number < last)
         if line is not None:
             kept = _kept({"id": f"{name}#{turn.source.sequence}", **line}, refuses)
             if kept is not None:
@@ -74,6 +75,7 @@ def training_lines(
 
 def _line(
     turn: m.Turn,
+    words: str,
     shown: m.Target | None,
     moves: list[tuple[float, float]],
     cameras: Cameras,
@@ -87,14 +89,14 @@ def _line(
     its objects and its point are left out. The limb is asked for when the person says yes.
     """
     target = turn.target
-    if not turn.text or target is None:
+    if not words or target is None:
         return None
     if turn.module == CONFIRMATION:
         return {"utterance": turn.text, "module": CONFIRMATION}
     camera = cameras.get(target.frame_stamp_ns)
-    line: Values = {"utterance": turn.text}
+    line: Values = {"utterance": words}
     if turn.module.startswith(PREDICTION):
-        if target.instruction != turn.text:  # the answer to a question: half of what was said
+        if target.instruction != words:  # an answer whose question was not recorded
             return None
         line["module"] = "prediction"
         if {"effector", "task"} <= limb.keys():

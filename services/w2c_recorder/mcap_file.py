@@ -49,6 +49,7 @@ class EnvelopeHead(msgspec.Struct, frozen=True):
     boot_id: str
     sequence: int
     clock_ns: int
+    sender: str = ""
 
 
 _DECODE_HEAD = msgspec.msgpack.Decoder(EnvelopeHead).decode

@@ -53,6 +53,9 @@ class Overview:
     session: dict[str, str]
     """Versions, robot, host, run directory."""
     channels: list[ChannelSummary]
+    clocks: dict[str, float]
+    """Sender -> the least time that a message was on its way [s], by the clocks of both: what a
+    clock that is ahead makes negative, and one that is behind makes large"""
     elsewhere: dict[str, int]
     """Topic -> messages in other encodings: repeats for Foxglove, or another program's."""
 
@@ -66,13 +69,14 @@ def overview_of(recording: Recording) -> Overview:
     """Read a recording once and summarise it. Raises RecordingError."""
     channels: dict[str, ChannelSummary] = {}
     losses = LossCounter()
+    clocks: dict[str, float] = {}
     end_ns = 0
     for recorded in recording.messages(decode=False):
         channel = channels.get(recorded.key)
         if channel is None:
             channel = _new_channel(recorded.key, recorded.log_time_ns)
             channels[recorded.key] = channel
-        _count(channel, losses, recorded.payload, recorded.log_time_ns)
+        _count(channel, losses, clocks, recorded.payload, recorded.log_time_ns)
         end_ns = max(end_ns, recorded.log_time_ns)
     for key, count in losses.lost().items():
         channels[key].lost = count
@@ -88,6 +92,7 @@ def overview_of(recording: Recording) -> Overview:
         start_ns=recording.start_ns,
         duration_s=(end_ns - recording.start_ns) * 1e-9,
         session=recording.metadata.get(SESSION_METADATA, {}),
+        clocks=dict(sorted(clocks.items())),
         elsewhere=dict(sorted(recording.elsewhere.items())),
         channels=sorted(channels.values(), key=lambda channel: channel.key),
     )
@@ -103,7 +108,13 @@ def _new_channel(key: str, log_time_ns: int) -> ChannelSummary:
     )
 
 
-def _count(channel: ChannelSummary, losses: LossCounter, payload: bytes, log_time_ns: int) -> None:
+def _count(
+    channel: ChannelSummary,
+    losses: LossCounter,
+    clocks: dict[str, float],
+    payload: bytes,
+    log_time_ns: int,
+) -> None:
     channel.count += 1
     channel.bytes += len(payload)
     channel.longest_gap_ns = max(channel.longest_gap_ns, log_time_ns - channel.last_ns)
@@ -113,6 +124,8 @@ def _count(channel: ChannelSummary, losses: LossCounter, payload: bytes, log_tim
         channel.malformed += 1
     else:
         losses.observe(channel.key, head.boot_id, head.sequence)
+        age = (log_time_ns - head.clock_ns) * 1e-9
+        clocks[head.sender] = min(age, clocks.get(head.sender, age))
 
 
 def _describe_damage(recording: Recording) -> str:

@@ -22,6 +22,7 @@ def raw_message(
     sender: str = "recorder",
     received_ns: int | None = None,
     inputs: Sequence[Input] = (),
+    clock_ns: int | None = None,
 ) -> RawReceived:
     """Return a message as the bus delivers it to the recorder."""
     envelope = Envelope(
@@ -31,7 +32,7 @@ def raw_message(
         boot_id=boot_id,
         sequence=sequence,
         monotonic_ns=0,
-        clock_ns=1_000 + sequence,
+        clock_ns=1_000 + sequence if clock_ns is None else clock_ns,
         inputs=list(inputs),
         data=message,
     )

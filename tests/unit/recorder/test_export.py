@@ -202,15 +202,22 @@ def test_what_the_reader_refuses_is_left_out(tmp_path: Path) -> None:
     assert lines_of(path, {"utterance"}) == []
 
 
-def test_an_answer_to_a_question_is_not_taken_for_an_instruction(tmp_path: Path) -> None:
+@pytest.mark.parametrize("recorded", [True, False])
+def test_an_answer_to_a_question_stands_for_what_was_asked_about(
+    tmp_path: Path, recorded: bool
+) -> None:
     session = Session()
     shown = target(1, 40.0, instruction="on the mug")
+    if recorded:
+        session.add(0.5, topics.TURN, turn("on the mug", "question", None, ok=False))
     session.add(1.0, topics.TURN, turn("the red one", "prediction.absolute", shown))
     session.add(2.0, topics.TURN, turn("yes", "confirmation", shown, goal_id="goal-1"))
 
-    (line,) = lines_of(session.write(tmp_path / "a.mcap"))
+    lines = lines_of(session.write(tmp_path / "a.mcap"))
 
-    assert line["module"] == "confirmation"
+    said = [(line["utterance"], line["module"]) for line in lines]
+    instruction = [("on the mug", "prediction")] if recorded else []
+    assert said == [*instruction, ("yes", "confirmation")]
 
 
 def test_the_scale_at_a_target_comes_from_the_camera() -> None:

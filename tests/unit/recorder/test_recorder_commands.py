@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from support.recordings import MARK_KEY, raw_mark, write_recording
+from support.recordings import MARK_KEY, raw_mark, raw_message, write_recording
 from support.sessions import conversation
 from w2c.errors import ConfigError, RecordingError
-from w2c.messages import RecorderStatus
+from w2c.messages import MarkRequest, RecorderStatus
 from w2c_recorder.commands import describe_status, record, recording
 
 
@@ -64,6 +64,28 @@ def test_an_unclosed_file_is_shown_and_called_so(
     assert "DAMAGED: not closed" in capsys.readouterr().out
     assert recording(["timeline", str(path)]) == 0
     assert "was not closed" in capsys.readouterr().out
+
+
+def test_info_names_clocks_that_are_not_the_recorders(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "session.mcap"
+    ages = {"camera": -int(0.8e9), "llm": int(0.001e9), "robot": int(2e9)}
+    write_recording(
+        path,
+        [
+            raw_message(MarkRequest(text="x"), MARK_KEY, sender=sender, boot_id=sender,
+                        clock_ns=10**12, received_ns=10**12 + age)
+            for sender, age in ages.items()
+        ],
+    )  # fmt: skip
+    recording(["info", str(path)])
+
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("CLOCK")]
+    assert lines == [
+        "CLOCK: that of camera is at least 0.800 s ahead",
+        "CLOCK: that of robot is behind, or its messages take 2.000 s and more",
+    ]
 
 
 ACTIONS = [
