@@ -44,12 +44,13 @@ Cameras = Mapping[int, Camera]
 
 
 def training_lines(
-    conversation: Conversation, name: str, cameras: Cameras, refuses: Refuses
+    history: History, conversation: Conversation, name: str, cameras: Cameras, refuses: Refuses
 ) -> Iterator[Values]:
     """Yield the turns of a conversation as lines for training; none of one without a yes.
 
     Args:
-        conversation: of a recording.
+        history: of a recording.
+        conversation: one of it.
         name: of the recording; the lines get ids from it.
         cameras: of the pictures that the targets were chosen in.
         refuses: checks a line. What is refused is written with fewer fields, or not at all.
@@ -58,9 +59,9 @@ def training_lines(
         return
     moves: list[tuple[float, float]] = []
     shown: m.Target | None = None
+    limb = limb_of(history, conversation)
     last = len(conversation.turns) - 1
     for number, turn in enumerate([*conversation.turns, conversation.confirmation]):
-        limb = _answer(conversation.confirmation.message, "effector")
         words = conversation.words(turn)
         line = _line(turn.message, words, shown, moves, cameras, limb, corrected=number < last)
         if line is not None:
@@ -111,15 +112,17 @@ def _line(
         return None
     if corrected:
         return line
-    return line | _place(turn, target, camera)
+    return line | _place(turn, target, shown, camera)
 
 
-def _place(turn: m.Turn, target: m.Target, camera: Camera | None) -> Values:
+def _place(turn: m.Turn, target: m.Target, shown: m.Target | None, camera: Camera | None) -> Values:
     """Return the point of a turn with what explains it."""
     found: Values = {"point": [target.u, target.v], "objects": _objects(target)}
     if camera is not None:
         found["image"] = [camera.width, camera.height]
-        scale = camera.pixels_per_cm(target)
+        # The centimetres of a correction are those at the target that the person saw.
+        seen = shown if turn.module == CORRECTION and shown is not None else target
+        scale = camera.pixels_per_cm(seen)
         if scale is not None:
             found["px_per_cm"] = round(scale, 3)
     answer = _answer(turn, "correct" if turn.module == CORRECTION else "relative")
@@ -127,6 +130,33 @@ def _place(turn: m.Turn, target: m.Target, camera: Camera | None) -> Values:
     if isinstance(x, str) and isinstance(y, str) and max(len(x), len(y)) <= LONGEST_EXPRESSION:
         found |= {"x": x, "y": y}
     return found
+
+
+def limb_of(history: History, conversation: Conversation) -> Values:
+    """Return what the language model said of the limb that an instruction names.
+
+    It may have been asked for the advice already, before the person said yes: then the answer is
+    in a call, and not with the turn.
+    """
+    confirmation = conversation.confirmation
+    if confirmation is None:
+        return {}
+    answer = _answer(confirmation.message, "effector")
+    words = _letters(conversation.words(conversation.turns[0]))
+    for call in reversed(history.calls):
+        if answer or not words:
+            break
+        if not isinstance(call.request, m.CompleteRequest) or call.end_ns > confirmation.at_ns:
+            continue
+        value = call.reply.value if isinstance(call.reply, m.CompleteReply) else None
+        about = _letters(call.request.messages[-1].content)
+        if isinstance(value, dict) and {"effector", "task"} <= value.keys() and words in about:
+            answer = value
+    return answer
+
+
+def _letters(text: str) -> str:
+    return "".join(letter for letter in text.casefold() if letter.isalnum())
 
 
 def _objects(target: m.Target) -> list[Values]:

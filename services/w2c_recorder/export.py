@@ -79,7 +79,7 @@ def _dataset(options: Namespace) -> Report:
     lines = [
         line
         for conversation in conversations
-        for line in training_lines(conversation, options.file.stem, cameras, refuses)
+        for line in training_lines(history, conversation, options.file.stem, cameras, refuses)
     ]
     known = [conversation_values(history, one, pictures) for one in conversations]
     write_file(out / "dialogues.jsonl", _json_lines(lines))

@@ -2,9 +2,11 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -118,12 +120,15 @@ def test_a_column_has_the_type_of_all_its_cells() -> None:
 def lines_of(path: Path, refused: set[str] | None = None) -> list[dict[str, Any]]:
     """Return the lines for training; a line with a refused field is refused."""
     names = refused or set()
-    found = conversations_of(history_of(Recording(path)))
+    history = history_of(Recording(path))
+    found = conversations_of(history)
     cameras = {5 * 10**9: Camera(WIDTH, HEIGHT)}
     return [
         line
         for one in found
-        for line in training_lines(one, "a", cameras, lambda line: str(names & line.keys() or ""))
+        for line in training_lines(
+            history, one, "a", cameras, lambda line: str(names & line.keys() or "")
+        )
     ]
 
 
@@ -218,6 +223,53 @@ def test_an_answer_to_a_question_stands_for_what_was_asked_about(
     said = [(line["utterance"], line["module"]) for line in lines]
     instruction = [("on the mug", "prediction")] if recorded else []
     assert said == [*instruction, ("yes", "confirmation")]
+
+
+@pytest.mark.parametrize(
+    ("asked", "limb"),
+    [("left of the red mug", "left_hand"), ("on the table", None)],
+    ids=["these words", "others"],
+)
+def test_the_limb_may_have_been_asked_for_before_the_yes(
+    tmp_path: Path, asked: str, limb: str | None
+) -> None:
+    session = Session()
+    shown = target(1, 40.0, instruction="Left of the red mug!")
+    session.add(1.0, topics.TURN, turn(shown.instruction, "prediction.absolute", shown))
+    chat = [m.ChatMessage(role="user", content=asked)]
+    answer = {"effector": "left_hand", "task": "contact"}
+    session.call(
+        1.5, topics.COMPLETE, m.CompleteRequest(messages=chat, schema={}),
+        m.CompleteReply(
+            text="", value=answer, model="tiny", prompt_tokens=1, reused_tokens=0,
+            completion_tokens=1, queue_ms=0, prefill_ms=0, decode_ms=0,
+        ),
+    )  # fmt: skip
+    session.add(2.0, topics.TURN, turn("yes", "confirmation", shown, goal_id="goal-1"))
+
+    instruction, _ = lines_of(session.write(tmp_path / "a.mcap"))
+
+    assert instruction.get("end_effector") == limb
+
+
+def test_the_centimetres_of_a_correction_are_those_at_the_earlier_target(tmp_path: Path) -> None:
+    history = history_of(Recording(one_place().write(tmp_path / "a.mcap")))
+    (one,) = conversations_of(history)
+    seen = one.turns[1]
+    assert seen.message.target is not None
+    nearer = msgspec.structs.replace(seen.message.target, point=np.array([0.5, -0.2, 1.3]))
+    one.turns[1] = replace(seen, message=msgspec.structs.replace(seen.message, target=nearer))
+    pose = np.eye(4)
+    pose[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    pose[:3, 3] = (0.5, -0.2, 1.8)  # half a metre above it
+    view = m.CameraView(
+        stamp_ns=1, world_from_camera=pose, intrinsics=(900.0, 900.0, 32.0, 24.0), width=64,
+        height=48,
+    )  # fmt: skip
+    cameras = {5 * 10**9: Camera(64, 48, view)}
+    last = list(training_lines(history, one, "a", cameras, lambda _: ""))[2]
+
+    assert last["px_per_cm"] == pytest.approx(18.0)
 
 
 def test_the_scale_at_a_target_comes_from_the_camera() -> None:
