@@ -62,14 +62,15 @@ def _clock_lines(overview: Overview) -> list[str]:
 
 def _channel_lines(overview: Overview) -> list[str]:
     width = max((len(channel.key) for channel in overview.channels), default=3)
+    named = max((len(channel.message or "unknown") for channel in overview.channels), default=7)
     lines = [
-        f"{'key':<{width}}  {'message':<16} {'count':>8} {'Hz':>8} {'gap [ms]':>9} {'lost':>6}"
+        f"{'key':<{width}}  {'message':<{named}} {'count':>8} {'Hz':>8} {'gap [ms]':>9} {'lost':>6}"
     ]
     for channel in overview.channels:
         notes = f"  {channel.malformed} MALFORMED" if channel.malformed else ""
         notes += f"  {channel.note}" if channel.note else ""
         lines.append(
-            f"{channel.key:<{width}}  {channel.message or 'unknown':<16} {channel.count:>8} "
+            f"{channel.key:<{width}}  {channel.message or 'unknown':<{named}} {channel.count:>8} "
             f"{channel.rate_hz:>8.1f} {channel.longest_gap_ns * 1e-6:>9.1f} {channel.lost:>6}"
             f"{notes}"
         )
