@@ -155,11 +155,14 @@ def test_what_the_robot_moves_to_and_what_waits_for_a_yes_are_told_apart(
     world: ConsoleWorld, open_page: Open
 ) -> None:
     world.take_picture(SECOND)
-    page = open_page()
+    page = open_page(420)
     confirmed = make_target("t-1", SECOND, state="confirmed")
     world.dialogue.show(confirmed)
     world.dialogue.turn("yes", "confirmation", "On my way.", target=confirmed, state="moving")
     page.get_by_role("img", name="target t-1").wait_for()
+    words = page.get_by_role("region", name="Target").get_by_text("on top of the book")
+    words.wait_for()
+    before = box_of(page.locator("#confirm"))["y"]
     proposed = make_target("t-2", SECOND, point=BOOK_TOP + np.array([0.0, 0.2, 0.0]))
     world.dialogue.show(proposed)
     destination = page.get_by_role("img", name="moving to t-1")
@@ -167,6 +170,8 @@ def test_what_the_robot_moves_to_and_what_waits_for_a_yes_are_told_apart(
     page.get_by_role("img", name="target t-2").wait_for()
     page.get_by_role("button", name="Confirm t-2").wait_for()
     page.get_by_role("region", name="Target").get_by_text("moving to t-1").wait_for()
+    words.wait_for()
+    assert box_of(page.locator("#confirm"))["y"] == before
     assert destination.locator("circle").count() == 0  # another shape, not only another colour
     world.dialogue.turn("", "none", "There.", state="in_contact")
     destination.wait_for(state="hidden")
