@@ -39,8 +39,9 @@ class Turn(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Where it comes from; not read"""
     image: tuple[Size, Size] = (WIDTH, HEIGHT)
     """Width and height of the picture [px]"""
-    objects: Things = []
-    """What the utterance names, with boxes: its words as typed, centre and size [px]"""
+    objects: Things | None = None
+    """What the utterance names, with boxes: its words as typed, centre and size [px]; [] = it names
+    nothing, None = not known"""
     position: Literal["absolute", "relative"] | None = None
     """Of an instruction: on the object, or relative to objects"""
     end_effector: (
@@ -111,9 +112,12 @@ def examples_of(turn: Turn, unused: Counter[str]) -> Iterator[Example]:
     """
     utterance = parse(turn.utterance)
     yield example(PROMPTS.select(utterance), turn.module)
-    if turn.module == "confirmation":
+    if turn.module == "prediction" and turn.end_effector is not None and turn.task_type is not None:
+        answer = answer_text({"effector": turn.end_effector, "task": turn.task_type})
+        yield example(PROMPTS.effector(utterance), answer)
+    if turn.module == "confirmation" or turn.objects is None:
         return
-    mentions, objects = _named(turn, utterance)
+    mentions, objects = _named(turn.objects, turn, utterance)
     spans = [str(mention.span) for mention in mentions]
     if turn.module == "correction":
         yield example(PROMPTS.objects(utterance), answer_text({"objects": spans}))
@@ -122,9 +126,6 @@ def examples_of(turn: Turn, unused: Counter[str]) -> Iterator[Example]:
     if turn.position is not None:
         answer = answer_text({"position": turn.position, "objects": spans})
         yield example(PROMPTS.analyze(utterance), answer)
-    if turn.end_effector is not None and turn.task_type is not None:
-        answer = answer_text({"effector": turn.end_effector, "task": turn.task_type})
-        yield example(PROMPTS.effector(utterance), answer)
     if turn.position == "relative":
         yield from _relative(turn, utterance, mentions, objects, unused)
 
@@ -133,20 +134,20 @@ Mentions = tuple[Mention, ...]
 Objects = tuple[SceneObject, ...]
 
 
-def _named(turn: Turn, utterance: Utterance) -> tuple[Mentions, Objects]:
+def _named(named: Things, turn: Turn, utterance: Utterance) -> tuple[Mentions, Objects]:
     """Return the objects with their words, in order of mention, in a picture 1280 wide."""
     scale = _scale(turn)
     things = [
         Thing(thing.phrase, *(scale * value for value in (thing.cx, thing.cy, thing.w, thing.h)))
-        for thing in turn.objects
+        for thing in named
     ]
-    named = name_things(utterance, things)
-    if named is None:
+    found = name_things(utterance, things)
+    if found is None:
         phrases = ", ".join(f"'{thing.phrase}'" for thing in things)
         raise ConfigError(
             f"of the objects {phrases} not all stand in '{turn.utterance}', word for word"
         )
-    return named
+    return found
 
 
 def _relative(

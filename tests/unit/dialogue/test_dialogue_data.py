@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from support.documents import ROOT
 from w2c.errors import ConfigError
 from w2c_dialogue.corpus.dialogues import NO_EXPRESSION, DialogueExamples, read_dialogues
 
@@ -25,7 +26,7 @@ def answers(found: DialogueExamples) -> dict[str, str]:
 
 def correction(utterance: str, point: list[float], **fields: Any) -> dict[str, Any]:
     turn = {"utterance": utterance, "module": "correction", "target": [500, 400], "point": point}
-    return {**turn, **fields}
+    return {**turn, "objects": [], **fields}
 
 
 def test_an_instruction_answers_four_questions(tmp_path: Path) -> None:
@@ -55,6 +56,10 @@ def test_an_instruction_answers_four_questions(tmp_path: Path) -> None:
 def test_what_is_not_said_teaches_nothing(tmp_path: Path) -> None:
     found = read(tmp_path, {"utterance": "lean here", "module": "prediction"}, "", "  ")
     assert answers(found) == {"select": "prediction"}
+    corrected = {"utterance": "closer to the mug", "module": "correction", "target": [5, 5]}
+    assert answers(read(tmp_path, corrected)) == {"select": "correction"}, "objects are not known"
+    named = {**corrected, "objects": []}
+    assert answers(read(tmp_path, named)) == {"select": "correction", "objects": '{"objects":[]}'}
     found = read(tmp_path, {"utterance": "perfect", "module": "confirmation", "point": [1, 2]})
     assert answers(found) == {"select": "confirmation"}
 
@@ -124,7 +129,10 @@ def test_a_picture_of_another_size_is_scaled(tmp_path: Path) -> None:
         ({"utterance": "x" * 600, "module": "prediction"}, "600 characters"),
         ({"utterance": "x", "module": "prediction", "image": [0, 720]}, "> 0"),
         ({"utterance": "lean on it", "module": "prediction", "objects": [MUG]}, "word for word"),
-        ({"utterance": "left", "module": "correction", "point": [1, 2]}, "needs the target"),
+        (
+            {"utterance": "left", "module": "correction", "point": [1, 2], "objects": []},
+            "needs the target",
+        ),
         (correction("left", [480, 400], x="target.u-20"), "both or none"),
         (correction("left", [480, 400], x="target.u-40", y="target.v"), r"give \(460, 400\)"),
         (correction("left", [480, 400], x="b.u", y="target.v"), "'b.u' is not known"),
@@ -144,3 +152,14 @@ def test_an_empty_file_and_none(tmp_path: Path) -> None:
         read(tmp_path, "")
     with pytest.raises(ConfigError, match="cannot be read"):
         read_dialogues(tmp_path / "missing")
+
+
+def test_the_lines_of_the_reference_are_read(tmp_path: Path) -> None:
+    page = ROOT / "docs" / "reference" / "dialogues.md"
+    lines = page.read_text().partition("```json\n")[2].partition("```")[0].splitlines()
+    found = read(tmp_path, *lines)
+    assert found.lines == 4
+    assert found.unused == {}
+    tasks = [example.task for example in found.examples]
+    assert tasks.count("correct") == 2
+    assert {"relative", "analyze", "effector", "objects", "select"} <= set(tasks)

@@ -213,7 +213,7 @@ def test_a_run_begins_with_a_checkpoint_of_another(tmp_path: Path) -> None:
 
 def test_dialogues_of_the_user_are_mixed_in(tmp_path: Path) -> None:
     mine = tmp_path / "mine.jsonl"
-    mine.write_text('{"utterance": "a bit left", "module": "correction"}\n')
+    mine.write_text('{"utterance": "a bit left", "module": "correction", "objects": []}\n')
     lines: list[str] = []
     mixed = plan(tmp_path, dialogues=mine, dialogues_share=0.3, steps=1)
     assert Run(mixed, lines.append)() is not None
