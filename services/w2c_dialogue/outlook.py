@@ -40,7 +40,7 @@ def foresee(goal: PlaceGoal, services: Services) -> str:
         log.warning("goal without preview", extra={"goal": goal.goal_id, "reason": str(error)})
         return ""
     if preview.reachable:
-        return ""
+        return f" Beware: {preview.reason}." if preview.reason else ""
     limb = goal.end_effector.replace("_", " ")
     if goal.task == "contact":
         raise RefusedError(

@@ -73,17 +73,19 @@ def surface_remarks(verdicts: Sequence[FitnessVerdict]) -> list[Remark]:
 
 
 def reach_remark(limb: EndEffector, task: Task, preview: PreviewReply) -> Remark:
-    """Return whether a limb gets to a target from here, and whether it can lean there."""
+    """Return whether a limb gets to a target and can lean there, and what to beware of."""
     name = limb.replace("_", " ")
     does = "lean" if task == "contact" else "reach"
     known = preview.distance >= 0.0
     if preview.reachable:
         text = f"my {name} can {does} there from here"
+        if preview.reason:
+            text += f", but {preview.reason}"
     else:
         text = f"my {name} cannot {does} there from here: {preview.reason}"
     return Remark(
         kind="reach",
-        level="fine" if preview.reachable else "caution",
+        level="fine" if preview.reachable and not preview.reason else "caution",
         text=text,
         source="controller",
         value=preview.distance if known else None,

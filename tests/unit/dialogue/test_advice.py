@@ -101,6 +101,18 @@ def test_a_point_out_of_reach_is_told_with_reason_and_distance_and_stays_the_ope
     assert not world.controller.goals
 
 
+def test_a_place_that_can_be_reached_is_told_with_what_to_beware_of() -> None:
+    world = proposed(effector=[{"effector": "left_hand", "task": "reach"}])
+    world.controller.outlook = PreviewReply(
+        reachable=True, distance=0.0, reason="the robot leans 9.0 cm ahead of its feet"
+    )
+    (reach,) = of_kind(Desk(world).advise(), "reach")
+    assert reach.level == "caution"
+    assert reach.text.endswith(
+        "can reach there from here, but the robot leans 9.0 cm ahead of its feet"
+    )
+
+
 def test_a_fragile_thing_is_told_with_its_word_and_its_heat() -> None:
     world = proposed()
     world.grounding.things["glass"] = BOOK

@@ -490,6 +490,18 @@ def test_a_reach_that_ends_short_goes_as_near_as_it_can_and_says_so() -> None:
     assert len(world.controller.goals) == 1
 
 
+def test_what_to_beware_of_is_told_with_the_confirmation() -> None:
+    world = World(**first_words())
+    world.say(FIRST)
+    world.controller.outlook = PreviewReply(
+        reachable=True, distance=0.0, reason="the robot leans 9.0 cm ahead of its feet"
+    )
+    turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
+    assert turn.ok
+    assert "Beware: the robot leans 9.0 cm ahead of its feet." in turn.reply
+    assert len(world.controller.goals) == 1
+
+
 def test_a_preview_that_does_not_come_holds_nothing_up() -> None:
     world = World(**first_words())
     world.say(FIRST)
