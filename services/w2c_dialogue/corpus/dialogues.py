@@ -5,7 +5,7 @@ may be left out; each that is there teaches one question more (docs/reference/di
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +18,7 @@ from w2c_dialogue.batch.lines import PIXELS_PER_CM, Number, Point, Size, Thing, 
 from w2c_dialogue.corpus.fitting import Found, correction_of_point, place_of_point
 from w2c_dialogue.corpus.generate import PROMPTS, Example, answer_text, example
 from w2c_dialogue.expressions import correction_symbols, evaluate, object_symbols
-from w2c_dialogue.prompts.base import CorrectionScene, Move, SceneObject
+from w2c_dialogue.prompts.base import CorrectionScene, Move, Question, SceneObject
 from w2c_dialogue.utterance import Mention, Utterance, parse
 
 WIDTH, HEIGHT = 1280.0, 720.0
@@ -158,15 +158,12 @@ def _relative(
     scale = _scale(turn)
     boxes = [thing.box for thing in objects]
     symbols = object_symbols(boxes, turn.px_per_cm * scale)
-    point = _scaled(turn.point, scale)
-    answer = _stated(turn, symbols, point)
-    if answer is None and point is not None:
-        answer = place_of_point(boxes, symbols, point, utterance)
-    if answer is None:
-        unused[NO_EXPRESSION] += 1
-        return
+
+    def fit(point: Point) -> Found | None:
+        return place_of_point(boxes, symbols, point, utterance)
+
     question = PROMPTS.relative(utterance, mentions, objects, turn.px_per_cm * scale)
-    yield example(question, answer_text({"x": answer[0], "y": answer[1]}))
+    yield from _pointed(turn, symbols, fit, question, unused)
 
 
 def _correct(
@@ -184,14 +181,28 @@ def _correct(
         target, start, moves, ("",) * len(moves), objects, turn.px_per_cm * scale
     )
     symbols = correction_symbols(scene)
-    point = _scaled(turn.point, scale)
+
+    def fit(point: Point) -> Found | None:
+        return correction_of_point(scene, symbols, point, utterance)
+
+    yield from _pointed(turn, symbols, fit, PROMPTS.correct(utterance, mentions, scene), unused)
+
+
+def _pointed(
+    turn: Turn,
+    symbols: dict[str, float],
+    fit: Callable[[Point], Found | None],
+    question: Question,
+    unused: Counter[str],
+) -> Iterator[Example]:
+    """Yield the question for a point with its expressions: as stated, else as `fit` explains it."""
+    point = _scaled(turn.point, _scale(turn))
     answer = _stated(turn, symbols, point)
     if answer is None and point is not None:
-        answer = correction_of_point(scene, symbols, point, utterance)
+        answer = fit(point)
     if answer is None:
         unused[NO_EXPRESSION] += 1
         return
-    question = PROMPTS.correct(utterance, mentions, scene)
     yield example(question, answer_text({"x": answer[0], "y": answer[1]}))
 
 

@@ -34,9 +34,7 @@ def place_of_point(
     utterance: Utterance,
 ) -> Found | None:
     """Return the only place relative to boxes that explains a point, or None."""
-    if says_number(utterance):
-        return None
-    return _only(_places(boxes), symbols, point)
+    return _only(_places(boxes), symbols, point, utterance)
 
 
 def correction_of_point(
@@ -46,9 +44,7 @@ def correction_of_point(
     utterance: Utterance,
 ) -> Found | None:
     """Return the only correction that explains a point, or None."""
-    if says_number(utterance):
-        return None
-    return _only(_corrections(scene), symbols, point)
+    return _only(_corrections(scene), symbols, point, utterance)
 
 
 def says_number(utterance: Utterance) -> bool:
@@ -61,8 +57,13 @@ _NUMBERS = frozenset(word for name in locations.NUMBER_WORDS for word in name.sp
 
 
 def _only(
-    candidates: Iterator[Found], symbols: Mapping[str, float], point: tuple[float, float]
+    candidates: Iterator[Found],
+    symbols: Mapping[str, float],
+    point: tuple[float, float],
+    utterance: Utterance,
 ) -> Found | None:
+    if says_number(utterance):
+        return None
     near: dict[Found, float] = {}
     for x, y in candidates:
         u, v = evaluate(x, symbols), evaluate(y, symbols)
