@@ -16,8 +16,9 @@ from w2c_recorder.foxglove.mirror import Mirror
 from w2c_recorder.liveliness import Liveliness, LivelinessWatch, key_of
 from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.metadata import session_metadata
+from w2c_recorder.progress import Progress
 from w2c_recorder.recovery import recover_directory
-from w2c_recorder.writer_thread import Limits, Progress, WriterThread
+from w2c_recorder.writer_thread import Limits, WriterThread
 
 STATUS_PERIOD_S = 1.0
 DESCRIBE_TIMEOUT_S = 2.0

@@ -7,13 +7,14 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from w2c import topics
 from w2c.bus import RawQueue, RawReceived
 from w2c.errors import RecordingError, RefusedError
 from w2c_recorder.mcap_file import McapFile
+from w2c_recorder.progress import Progress, progress_of
 
 FLUSH_PERIOD_S = 0.5
 """A killed recorder loses what came since the last flush."""
@@ -26,21 +27,6 @@ SNAPSHOT_AGE_S = 5.0
 """An older one is of a controller that is gone; it would only make the file begin in the past"""
 
 log = logging.getLogger("w2c.recorder")
-
-
-@dataclass(frozen=True)
-class Progress:
-    """What the thread does, as of its last flush."""
-
-    path: str = ""
-    """Of the current recording, or of the last one"""
-    recording: bool = False
-    messages: int = 0
-    bytes: int = 0
-    malformed: int = 0
-    lost: dict[str, int] = field(default_factory=dict)
-    error: str = ""
-    """Why the recording stopped by itself"""
 
 
 @dataclass(frozen=True)
@@ -230,7 +216,7 @@ class WriterThread:
             self._file = self._new_file(path)
         except RecordingError as error:
             self._file = None
-            self._progress = _progress_of(file, recording=False, error=str(error))
+            self._progress = progress_of(file, recording=False, error=str(error))
             log.error("recording stopped: %s", error)
             return
         self._file.losses = file.losses  # what is missing between two files is missing, too
@@ -257,7 +243,7 @@ class WriterThread:
             self._fail(problem)
             return
         self._file = None
-        self._progress = _progress_of(file, recording=False, error=error)
+        self._progress = progress_of(file, recording=False, error=error)
         if error:
             log.error("recording stopped: %s", error)
         else:
@@ -276,7 +262,7 @@ class WriterThread:
         file, self._file = self._file, None
         if file is not None:
             file.abandon()
-            self._progress = _progress_of(file, recording=False, error=str(error))
+            self._progress = progress_of(file, recording=False, error=str(error))
             log.error("recording stopped: %s", error)
 
     def _check_space(self, path: Path) -> None:
@@ -295,16 +281,4 @@ class WriterThread:
     def _note(self, file: McapFile) -> None:
         if file.malformed > self._progress.malformed:
             log.warning("%d messages recorded that have no readable envelope", file.malformed)
-        self._progress = _progress_of(file, recording=True)
-
-
-def _progress_of(file: McapFile, *, recording: bool, error: str = "") -> Progress:
-    return Progress(
-        path=str(file.path),
-        recording=recording,
-        messages=file.messages,
-        bytes=file.bytes_written,
-        malformed=file.malformed,
-        lost=file.losses.lost(),
-        error=error,
-    )
+        self._progress = progress_of(file, recording=True)
