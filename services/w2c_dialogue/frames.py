@@ -18,6 +18,11 @@ RESTARTED = (
 """Why nothing comes of a picture, for the operator"""
 KEPT_FRAMES = 100
 """Half a minute at 3 frames a second; a JPEG is about 200 kB, depth is not kept."""
+STAND_IN_AGE_NS = 1_000_000_000
+"""So far in time may the picture be that stands in for one that was lost."""
+STAND_IN_SHIFT_M = 0.005
+STAND_IN_TURN = 0.004
+"""Of any entry of the rotation; 3 pixels of 1280, as much as the shift at arm's length."""
 DEFAULT_PIXELS_PER_CM = 10.0
 
 
@@ -62,6 +67,9 @@ class FrameStore:
     def find(self, stamp_ns: int, robot_boot_id: str = "", wait_s: float = 0.0) -> Frame:
         """Return the picture of a stamp, the newest for -1; waits for it and for its camera pose.
 
+        A picture that reached the operator and was lost on its way here is stood in for by its
+        neighbour in time, when the camera was in the same place.
+
         Args:
             stamp_ns: Of the picture that the operator saw; -1 = none.
             robot_boot_id: Of the robot in it; "" = not checked.
@@ -79,7 +87,7 @@ class FrameStore:
                     "I have no picture: the camera does not send. Check `w2c status`, then say it "
                     "again."
                 )
-            frame = self._frames.get(self._resolve(stamp_ns))
+            frame = self._frames.get(self._resolve(stamp_ns)) or self._stand_in(stamp_ns)
             if frame is None:
                 raise RefusedError(
                     f"The picture you saw (stamp {stamp_ns}) is not among the last "
@@ -87,6 +95,22 @@ class FrameStore:
                     "Look at the live picture, then say it again."
                 )
             return replace(frame, view=self._view(frame))
+
+    def _stand_in(self, stamp_ns: int) -> Frame | None:
+        """Return the nearest picture that shows what a lost one showed; None where none does.
+
+        The camera stood still if it was in one place at the nearest pictures before and after, or
+        at the lost one itself, whose pose comes on a way of its own.
+        """
+        near = [stamp for stamp in self._frames if abs(stamp - stamp_ns) <= STAND_IN_AGE_NS]
+        before = max((stamp for stamp in near if stamp < stamp_ns), default=None)
+        after = min((stamp for stamp in near if stamp > stamp_ns), default=None)
+        around = [self._views.get(stamp) for stamp in (before, stamp_ns, after) if stamp]
+        known = [view for view in around if view is not None]
+        if len(known) < 2 or not all(_same_place(known[0], view) for view in known[1:]):
+            return None
+        nearest = min(near, key=lambda stamp: abs(stamp - stamp_ns))
+        return self._frames[nearest]
 
     def _resolve(self, stamp_ns: int) -> int:
         """Return the stamp meant by -1: the newest picture whose pose is known, else the newest."""
@@ -113,6 +137,16 @@ class FrameStore:
         if not self._frames or (frame.robot_boot_id and self._boot_id):
             return not _same(frame.robot_boot_id, self._boot_id)
         return frame.stamp_ns < min(self._frames)
+
+
+def _same_place(one: CameraView, other: CameraView) -> bool:
+    """Tell whether a point is at the same pixel for two views, to a few pixels."""
+    if not _same(one.robot_boot_id, other.robot_boot_id):
+        return False
+    change = np.abs(np.asarray(one.world_from_camera) - np.asarray(other.world_from_camera))
+    return bool(
+        np.max(change[:3, 3]) <= STAND_IN_SHIFT_M and np.max(change[:3, :3]) <= STAND_IN_TURN
+    )
 
 
 def _same(boot_id: str, other: str) -> bool:

@@ -38,8 +38,9 @@ from w2c_dialogue.stop_words import is_stop
 from w2c_dialogue.targeting import Targeting
 from w2c_dialogue.utterance import Utterance, parse
 
-FRAME_WAIT_S = 0.5
-"""A picture the operator saw, or its camera pose, may still be on its way [s]."""
+FRAME_WAIT_S = 2.0
+"""A picture the operator saw, or its camera pose, may still be on its way, on a slow machine
+[s]."""
 
 
 class Dialogue:

@@ -2,6 +2,7 @@
 
 import threading
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -9,6 +10,8 @@ from w2c.errors import RefusedError
 from w2c.messages import CameraView
 from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM, FrameStore, pixels_per_cm, project
 from w2c_dialogue.interfaces import Frame
+
+MS = 1_000_000
 
 
 def frame(stamp_ns: int, robot_boot_id: str = "") -> Frame:
@@ -44,6 +47,37 @@ def test_the_oldest_is_forgotten_and_said() -> None:
     with pytest.raises(RefusedError, match="stamp 1"):
         store.find(1, wait_s=60.0)
     assert store.find(2).stamp_ns == 2
+
+
+@pytest.mark.parametrize("known", [(100, 300), (100, 250), (250, 300)])
+def test_a_lost_picture_is_stood_in_for_by_its_neighbour_of_the_same_place(
+    known: tuple[int, int],
+) -> None:
+    """Stamps in milliseconds; that of 250 was lost."""
+    store = FrameStore()
+    for stamp in (100, 300):
+        store.add_frame(frame(stamp * MS))
+    for stamp in known:
+        store.add_view(view(stamp * MS))
+    assert store.find(250 * MS).stamp_ns == 300 * MS
+
+
+@pytest.mark.parametrize(
+    ("shift_m", "turn", "later_ms"), [(0.01, 0.0, 300), (0.0, 0.01, 300), (0.0, 0.0, 1500)]
+)
+def test_a_lost_picture_has_no_stand_in_where_the_camera_moved_or_long_after(
+    shift_m: float, turn: float, later_ms: int
+) -> None:
+    store = FrameStore()
+    for stamp in (100, later_ms):
+        store.add_frame(frame(stamp * MS))
+    store.add_view(view(100 * MS))
+    moved = np.eye(4)
+    moved[0, 3], moved[0, 1] = shift_m, turn
+    later = msgspec.structs.replace(view(later_ms * MS), world_from_camera=moved)
+    store.add_view(later)
+    with pytest.raises(RefusedError, match="not among the last 2"):
+        store.find(250 * MS)
 
 
 def test_a_picture_on_its_way_is_waited_for_with_its_pose() -> None:
