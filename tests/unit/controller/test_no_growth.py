@@ -20,7 +20,8 @@ from w2c_controller.controller import Controller
 from w2c_controller.node import ControllerNode
 
 TICKS = 10_000
-WARM_UP = 2_000
+ANSWERS = 3_000
+"""On the bus a tick takes three times as long, and a leak of one block in thirty still shows."""
 SETTLE_S = 0.3
 """Until all that the loop handed over has been published."""
 MOST_BLOCKS = 100
@@ -47,17 +48,17 @@ class Follower:
         )
 
 
-def check_growth(tick: Callable[[int], None], collections: Callable[[], int]) -> None:
+def check_growth(tick: Callable[[int], None], collections: Callable[[], int], count: int) -> None:
     """Fail where ticks keep memory, leave garbage, or run the collector.
 
     A collection by hand also empties the interpreter's lists of free objects, which grow to a bound
     of their own and are counted as allocated.
     """
-    tick(WARM_UP)
+    tick(count // 5)
     time.sleep(SETTLE_S)
     gc.collect()
     before, runs = sys.getallocatedblocks(), collections()
-    tick(TICKS)
+    tick(count)
     time.sleep(SETTLE_S)
     assert collections() == runs
     assert gc.collect() == 0, "reference counts alone must free what a tick drops"
@@ -75,11 +76,11 @@ def test_ten_thousand_ticks_keep_no_memory_and_no_garbage(description: RobotDesc
             controller.take_events()
 
     with collector_off() as watch:
-        check_growth(step, lambda: watch.runs)
+        check_growth(step, lambda: watch.runs, TICKS)
 
 
 @pytest.mark.slow
-def test_ten_thousand_answers_on_the_bus_keep_no_memory(description: RobotDescription) -> None:
+def test_three_thousand_answers_on_the_bus_keep_no_memory(description: RobotDescription) -> None:
     """Decoding, ticking, publishing, reports and snapshots: all that the process does in a tick."""
     hub = InProcessHub()
     robot = hub.connect("robot")
@@ -100,7 +101,7 @@ def test_ten_thousand_answers_on_the_bus_keep_no_memory(description: RobotDescri
             follower.follow(received.message.position)
 
     try:
-        check_growth(answer, lambda: node.collections)
+        check_growth(answer, lambda: node.collections, ANSWERS)
     finally:
         stop.set()
         thread.join(timeout=10.0)
