@@ -41,7 +41,8 @@ def run_scenario(options: RunOptions) -> dict[str, Any]:
     log.info("%s", layout)
     flags = ["--scene", str(scene), "--seed", str(options.seed)]
     if options.lock_step:
-        flags.append("--lock-step")
+        # Nobody watches the stream, and time passes as slowly as the pictures let it.
+        flags += ["--lock-step", "--with-flags", "camera:--rate 1"]
     results: list[LineResult] = []
     problem, fell, status = "", False, None
     with running_system(options.directory, flags, quiet=options.quiet) as system:
