@@ -56,6 +56,8 @@ def make_rows(results: Sequence[RunResult]) -> list[dict[str, Any]]:
         for cause in TURN_CAUSES:
             wrong = sum(run.wrong_turns.get(cause, 0) for run in runs)
             rows.append(row(case, f"turns_wrong_{cause}", [float(wrong)], "count", n=turns))
+        for asks, count in _count_questions(runs).items():
+            rows.append(row(case, f"questions_{asks}", [float(count)], "count", n=turns))
     return rows
 
 
@@ -71,8 +73,8 @@ def format_table(results: Sequence[RunResult]) -> str:
     lines = [
         "| scenario | succeeded | rate, 95 % interval | falls | unconfirmed motions | "
         "corrections | hand error [mm] | support [N] | failures | "
-        "turns answered wrongly: words, vision, geometry |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "turns answered wrongly: words, vision, geometry | questions asked: answered, open |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for case, runs in by_case(results).items():
         good = sum(run.succeeded for run in runs)
@@ -87,7 +89,8 @@ def format_table(results: Sequence[RunResult]) -> str:
             f"| {case} | {good} of {len(runs)} | {good / len(runs):.2f} [{low:.2f}, {high:.2f}] | "
             f"{sum(run.fell for run in runs)} | {sum(run.unconfirmed_motions for run in runs)} | "
             f"{_mean(corrections)} | {_median(errors)} | {_median(forces)} | {failures} | "
-            f"{', '.join(wrong)} of {_count_turns(runs)} |"
+            f"{', '.join(wrong)} of {_count_turns(runs)} | "
+            f"{', '.join(str(count) for count in _count_questions(runs).values())} |"
         )
     failed = [run for run in results if not run.succeeded]
     if failed:
@@ -113,6 +116,12 @@ def describe(result: RunResult) -> str:
 
 def _count_turns(runs: Sequence[RunResult]) -> int:
     return sum(len(turns) for run in runs for turns in run.turns)
+
+
+def _count_questions(runs: Sequence[RunResult]) -> dict[str, int]:
+    """Return how often the robot asked back: what the operator answered, and what stayed open."""
+    asks = Counter(turn.asks for run in runs for turns in run.turns for turn in turns)
+    return {"answered": asks["answered"], "open": asks["open"]}
 
 
 def _mean(values: Sequence[float]) -> str:

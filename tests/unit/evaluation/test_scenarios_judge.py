@@ -304,7 +304,20 @@ def test_wrong_answers_are_counted_also_where_they_were_made_good() -> None:
     result = conclude(SCENARIO, 0, made_good, verdict(what=made_good))
     assert result.succeeded
     assert result.wrong_turns == {"words": 1}
-    assert "1, 0, 0 of 5 |" in format_table([result])
+    assert "1, 0, 0 of 5 | 0, 0 |" in format_table([result])
+
+
+def test_questions_are_counted_with_what_became_of_them() -> None:
+    asked = played()
+    asked.prompts[0].turns.insert(0, turn("place", module="question", asks="answered"))
+    result = conclude(SCENARIO, 0, asked, verdict(what=asked))
+    rows = {(r["case"], r["metric"]): r for r in make_rows([result])}
+    assert (rows["a", "questions_answered"]["value"], rows["a", "questions_answered"]["n"]) == (
+        1,
+        5,
+    )
+    assert rows["a", "questions_open"]["value"] == 0
+    assert "| 1, 0 |" in format_table([result])
 
 
 def test_a_hidden_place_is_the_scene() -> None:
