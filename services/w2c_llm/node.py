@@ -166,6 +166,7 @@ def _make_replay(config: LlmConfig) -> Backend:
 
 
 def _make_openai(config: LlmConfig) -> Backend:
+    from w2c.chat_server import read_key
     from w2c_llm.openai_backend import OpenAiBackend, OpenAiOptions
 
     if not config.model:
@@ -180,22 +181,3 @@ def _make_openai(config: LlmConfig) -> Backend:
         concurrency=config.openai_concurrency,
     )
     return OpenAiBackend(options, read_key(config.openai_key_file))
-
-
-def read_key(path: str) -> str:
-    """Return the key of the server, from a file or the environment; empty where there is none.
-
-    Raises:
-        ConfigError: the file cannot be read, or holds no key. The message never holds the key.
-    """
-    if not path:
-        key, source = os.environ.get("OPENAI_API_KEY", ""), "the variable OPENAI_API_KEY"
-    else:
-        source = f"the key file {path}"
-        try:
-            key = Path(path).read_text().strip()
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"{source} cannot be read: {type(error).__name__}") from None
-    if (path and not key) or not key.isascii() or not key.isprintable() or " " in key:
-        raise ConfigError(f"{source} must hold one key and nothing else")
-    return key

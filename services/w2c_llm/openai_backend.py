@@ -1,31 +1,23 @@
 """Any server with OpenAI's chat completions: llama-server, vLLM, Ollama, or one in the cloud."""
 
 import json
-import logging
 import math
 import re
-import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import httpx
 import msgspec
 
-from w2c.errors import ConfigError, DeadlineError, ModelError, RefusedError
+from w2c.chat_server import ChatServer, extract_json
+from w2c.errors import ModelError
 from w2c.messages import ChatMessage
 from w2c_llm.backend import Budget, Capabilities, Generation, JsonSchema, Sampling, Scores, Usage
 from w2c_llm.gbnf import grammar_of
-from w2c_llm.openai_wire import Reply, ReplyChoice, TokenCounts, extract_json
+from w2c_llm.openai_wire import Reply, ReplyChoice, TokenCounts
 from w2c_llm.schema import MAX_PATTERN
 
-_LOG = logging.getLogger("w2c.llm.openai")
-_ATTEMPTS = 4
-_FIRST_PAUSE_S = 0.5
-_LONGEST_PAUSE_S = 30.0
-_RETRIED = {408, 409, 425, 429, 500, 502, 503, 504}
-_MAX_REPLY_BYTES = 4_000_000
 _IMPOSSIBLE = -30.0
 """Log-likelihood of an option that is not among the likely tokens which the server lists"""
 
@@ -64,11 +56,13 @@ class OpenAiBackend:
             ConfigError: the address of the server is none.
         """
         self._options = options
-        self._closed = threading.Event()
-        self._pause = pause or (lambda seconds: void(self._closed.wait(seconds)))
-        headers = {"Authorization": f"Bearer {key}"} if key else {}
-        check_address(options.url)
-        self._client = httpx.Client(base_url=options.url.rstrip("/") + "/", headers=headers)
+        self._server = ChatServer(
+            options.url,
+            key,
+            flag="--openai",
+            other_flags="--model, --openai-url, --openai-schema and --openai-sampling",
+            pause=pause,
+        )
 
     @property
     def name(self) -> str:
@@ -91,8 +85,7 @@ class OpenAiBackend:
 
     def close(self) -> None:
         """Close the connections. Idempotent."""
-        self._closed.set()
-        self._client.close()
+        self._server.close()
 
     def generate(
         self,
@@ -178,54 +171,8 @@ class OpenAiBackend:
         return {"response_format": {"type": "json_schema", "json_schema": named}}
 
     def _post(self, body: dict[str, Any], budget: Budget) -> Reply:
-        """Send a request, again after a pause where that may help.
-
-        Raises:
-            RefusedError: the server refuses the request itself.
-            DeadlineError: the budget is spent.
-            ModelError: the server does not answer, or not with a chat completion.
-        """
-        reason, asked_for = "", 0.0
-        for attempt in range(_ATTEMPTS):
-            budget.check()
-            if attempt:
-                wait = _FIRST_PAUSE_S * 2 ** (attempt - 1)
-                wait = min(max(wait, asked_for), _LONGEST_PAUSE_S, budget.remaining_s())
-                _LOG.warning("server asked again", extra={"reason": reason, "pause_s": wait})
-                self._pause(wait)
-                budget.check()
-            try:
-                with self._client.stream(
-                    "POST",
-                    "chat/completions",
-                    json={"model": self._options.model, **body},
-                    timeout=max(budget.remaining_s(), 0.001),
-                ) as response:
-                    if response.status_code not in _RETRIED:
-                        return self._read(response.status_code, _body(response, budget))
-                    reason, asked_for = f"status {response.status_code}", _retry_after(response)
-            except httpx.TimeoutException:
-                raise DeadlineError(
-                    f"{self._options.url} did not answer in time; check the server or its load"
-                ) from None
-            except httpx.HTTPError as error:
-                reason, asked_for = f"{type(error).__name__}", 0.0
-        raise ModelError(
-            f"{self._options.url} failed {_ATTEMPTS} times, last: {reason}; is the server up?"
-        )
-
-    def _read(self, status: int, content: bytes) -> Reply:
-        if status in (401, 403):
-            raise ModelError(
-                f"{self._options.url} refuses the key (status {status}); check --openai-key-file"
-            )
-        if status != 200:
-            # The body may repeat the request's headers: it is not quoted beyond the server's own
-            # message.
-            raise RefusedError(
-                f"{self._options.url} refuses the request (status {status}); "
-                "check --model, --openai-url, --openai-schema and --openai-sampling"
-            )
+        """Send a request, and read the answer. Raises as `ChatServer.complete` does."""
+        content = self._server.complete({"model": self._options.model, **body}, budget)
         try:
             reply = msgspec.json.decode(content, type=Reply)
         except msgspec.MsgspecError as error:
@@ -247,37 +194,6 @@ def described(schema: Any) -> Any:
     if schema.get("type") == "string" and len(str(schema.get("pattern", ""))) > MAX_PATTERN:
         schema = {name: value for name, value in schema.items() if name != "pattern"}
     return {name: described(value) for name, value in schema.items()}
-
-
-def check_address(url: str) -> None:
-    """Raise ConfigError for what is no address of a web server."""
-    try:
-        address = httpx.URL(url)
-    except httpx.InvalidURL as error:
-        raise ConfigError(f"--openai-url '{url}': {error}") from error
-    if address.scheme not in ("http", "https") or not address.host:
-        raise ConfigError(f"--openai-url '{url}' must be like http://127.0.0.1:8080/v1")
-
-
-def _body(response: httpx.Response, budget: Budget) -> bytes:
-    """Return a body that comes in time and is not too long, however slowly it drips."""
-    body = bytearray()
-    for part in response.iter_bytes():
-        budget.check()
-        body += part
-        if len(body) > _MAX_REPLY_BYTES:
-            raise ModelError(f"the server sent more than {_MAX_REPLY_BYTES} bytes")
-    return bytes(body)
-
-
-def _retry_after(response: httpx.Response) -> float:
-    """Return how long a busy server asks to wait [s]; 0 where it does not say so in seconds."""
-    text = response.headers.get("Retry-After", "")
-    return float(text) if text.isascii() and text.isdigit() and len(text) < 6 else 0.0
-
-
-def void(_: object) -> None:
-    """Forget a value."""
 
 
 def _as_dict(message: ChatMessage) -> dict[str, str]:

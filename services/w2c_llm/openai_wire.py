@@ -1,7 +1,4 @@
-"""The fields of OpenAI's chat completions that are used, and JSON out of prose."""
-
-import json
-import re
+"""The fields of OpenAI's chat completions that are used."""
 
 import msgspec
 
@@ -58,15 +55,3 @@ class Reply(msgspec.Struct):
 
     choices: list[ReplyChoice]
     usage: TokenCounts | None = None
-
-
-def extract_json(text: str) -> str:
-    """Return the first JSON object or array in a text; the text itself where there is none."""
-    decoder = json.JSONDecoder()
-    for match in re.finditer(r"[{\[]", text):
-        try:
-            _, end = decoder.raw_decode(text, match.start())
-        except (ValueError, RecursionError):
-            continue
-        return text[match.start() : end]
-    return text.strip()

@@ -11,14 +11,13 @@ import httpx
 import pytest
 
 from fakes.chat_server import ChatServer, completion
+from w2c.chat_server import extract_json, read_key
 from w2c.clock import RealClock, StepClock
 from w2c.errors import ConfigError, DeadlineError, ModelError, RefusedError, W2CError
 from w2c.messages import ChatMessage, ChooseRequest, CompleteRequest
 from w2c_llm.answering import choose, complete
 from w2c_llm.backend import Budget
-from w2c_llm.node import read_key
 from w2c_llm.openai_backend import OpenAiBackend, OpenAiOptions
-from w2c_llm.openai_wire import extract_json
 
 KEY = "sk-very-secret-7a31"
 CHAT = [ChatMessage(role="system", content="analyze"), ChatMessage(role="user", content="the cup")]
@@ -137,7 +136,7 @@ def test_a_reply_that_drips_ends_with_the_budget() -> None:
 
     transport = httpx.MockTransport(lambda _: httpx.Response(200, stream=Dripping()))
     backend = OpenAiBackend(OpenAiOptions("http://somewhere/v1", "m"), KEY)
-    backend._client = httpx.Client(base_url="http://somewhere/v1/", transport=transport)
+    backend._server.client = httpx.Client(base_url="http://somewhere/v1/", transport=transport)
     with pytest.raises(DeadlineError, match="2 s"):
         complete(backend, REQUEST, Budget(clock, 2.0))
     assert clock.now_ns() < 3_000_000_000
