@@ -13,7 +13,7 @@ GROUPS = {
     "processes": ("up", "down", "status", "doctor", "demo", "router"),
     "operator": ("say", "confirm", "place", "release", "stop", "resume"),
     "look": ("ground", "lift", "cloud"),
-    "recordings": ("record", "recording"),
+    "recordings": ("record", "recording", "replay"),
     "measure and train": ("bench", "evaluate", "train", "scenes"),
     "one service": (
         "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder",
