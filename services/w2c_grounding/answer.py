@@ -43,6 +43,8 @@ class Grounder:
         self._rule: PointRule = rule
         self._timer = timer
         self._seen: OrderedDict[bytes, Seen] = OrderedDict()
+        self.dropped_boxes = 0
+        """Boxes of the model, since the start, that made no sense and were left out"""
 
     def ground(self, request: m.GroundingRequest) -> m.GroundingReply:
         """Answer every phrase of a request.
@@ -71,7 +73,10 @@ class Grounder:
         texts = [normalised(phrase) for phrase in phrases]
         seen = self._see(picture)
         evidence = self._family.query(seen.context, texts)
-        findings = [find(one.heatmap, self._card.threshold, self._rule) for one in evidence]
+        findings = [
+            find(one.heatmap, self._card.threshold, self._rule, one.boxes) for one in evidence
+        ]
+        self.dropped_boxes += sum(finding.dropped_boxes for finding in findings)
         return seen, evidence, findings
 
     def _see(self, picture: bytes) -> Seen:
@@ -106,5 +111,9 @@ class Grounder:
             point=finding.point,
             boxes=boxes,
             heatmap=thumbnail(evidence.heatmap) if with_heatmap else None,
-            unknown_words=unknown_words(phrase, self._card.vocabulary),
+            unknown_words=list(
+                dict.fromkeys(
+                    [*unknown_words(phrase, self._card.vocabulary), *evidence.unknown_words]
+                )
+            ),
         )

@@ -1,8 +1,9 @@
-"""From a heatmap to an answer: found or not, where, how sure, and which point to touch.
+"""From what a model saw to an answer: found or not, where, how sure, and which point to touch.
 
 Pure functions. Pixels are (u right, v down), the centre of pixel (0, 0) is at (0.5, 0.5).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,7 +11,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from w2c_grounding.family import Heatmap
+from w2c.errors import ModelError
+from w2c_grounding.boxes import distinct, usable, window
+from w2c_grounding.family import Heatmap, ScoredBox
 
 Mask = npt.NDArray[np.bool_]
 Pixel = tuple[float, float]
@@ -32,7 +35,7 @@ class Region:
     bottom: int
     """(left, top) inclusive, (right, bottom) exclusive [px]"""
     score: float
-    """Highest probability inside"""
+    """Highest probability inside, or that of the model's own box"""
     mask: Mask
     """(bottom - top, right - left)"""
 
@@ -45,9 +48,11 @@ class Finding:
     score: float
     """Highest probability in the picture, also where nothing was found"""
     regions: tuple[Region, ...]
-    """Best first; empty where nothing was found"""
+    """Best first, one for each thing that fits; empty where nothing was found"""
     point: Pixel | None
     """Where to touch it; None where nothing was found"""
+    dropped_boxes: int = 0
+    """How many boxes of the model made no sense"""
 
 
 def heatmap_from_logits(logits: npt.NDArray[np.float32], width: int, height: int) -> Heatmap:
@@ -63,20 +68,60 @@ def heatmap_from_logits(logits: npt.NDArray[np.float32], width: int, height: int
     return np.asarray(scaled, dtype=np.float32)
 
 
-def find(heatmap: Heatmap, threshold: float, rule: PointRule = "interior") -> Finding:
-    """Turn the heatmap of a phrase into an answer.
+def find(
+    heatmap: Heatmap,
+    threshold: float,
+    rule: PointRule = "interior",
+    boxes: Iterable[ScoredBox] | None = None,
+) -> Finding:
+    """Turn the evidence for a phrase into an answer.
+
+    A model's own boxes, where it has them, say what was found and how sure; the heatmap then only
+    says which of their pixels. Without boxes the connected regions of the heatmap do both.
 
     Args:
         heatmap: (height, width), 0 to 1.
-        threshold: A peak below it means: the picture does not show this.
+        threshold: A score below it means: the picture does not show this.
         rule: How the point is chosen, see `interior_point` and `peak_point`.
+        boxes: As the model gave them; None = it gives none. See `boxes.usable` for what is dropped.
+
+    Raises:
+        ModelError: the heatmap holds a value that is not finite.
     """
-    score = float(heatmap.max())
-    if score < threshold:
-        return Finding(False, score, (), None)
-    regions = regions_of(heatmap, threshold)
-    point = peak_point(heatmap) if rule == "peak" else interior_point(heatmap, regions[0])
-    return Finding(True, score, regions, point)
+    peak = float(heatmap.max())
+    if not np.isfinite(peak):
+        raise ModelError(
+            f"the model answered with a heat of {peak}; half precision overflows in some models: "
+            "try --dtype float32"
+        )
+    if boxes is None:
+        score, dropped = peak, 0
+        regions = regions_of(heatmap, threshold) if score >= threshold else ()
+    else:
+        height, width = heatmap.shape
+        sound, dropped = usable(boxes, width, height)
+        score = sound[0].score if sound else 0.0
+        chosen = distinct([box for box in sound if box.score >= threshold])
+        regions = tuple(region_of_box(heatmap, box) for box in chosen)
+    if not regions:
+        return Finding(False, score, (), None, dropped)
+    if rule == "interior":
+        point = interior_point(heatmap, regions[0])
+    else:
+        point = peak_point(heatmap) if boxes is None else peak_point(heatmap, regions[0])
+    return Finding(True, score, regions, point, dropped)
+
+
+def region_of_box(heatmap: Heatmap, box: ScoredBox) -> Region:
+    """Return the part of a usable box that is hot: at least `REGION_FRACTION` of its peak.
+
+    A box without any heat is taken whole.
+    """
+    height, width = heatmap.shape
+    left, top, right, bottom = window(box, width, height)
+    heat = heatmap[top:bottom, left:right]
+    mask: Mask = heat >= REGION_FRACTION * float(heat.max())
+    return Region(left, top, right, bottom, box.score, mask)
 
 
 def regions_of(heatmap: Heatmap, threshold: float) -> tuple[Region, ...]:
@@ -101,10 +146,15 @@ def regions_of(heatmap: Heatmap, threshold: float) -> tuple[Region, ...]:
     return tuple(region for _, _, region in regions)
 
 
-def peak_point(heatmap: Heatmap) -> Pixel:
-    """Return the centre of the hottest pixel: the arg-max of the paper, section Methods."""
-    v, u = np.unravel_index(int(heatmap.argmax()), heatmap.shape)
-    return float(u) + 0.5, float(v) + 0.5
+def peak_point(heatmap: Heatmap, region: Region | None = None) -> Pixel:
+    """Return the centre of the hottest pixel, of the picture or of a region's box.
+
+    The arg-max of the paper, section Methods.
+    """
+    left, top = (0, 0) if region is None else (region.left, region.top)
+    heat = heatmap if region is None else heatmap[top : region.bottom, left : region.right]
+    v, u = np.unravel_index(int(heat.argmax()), heat.shape)
+    return float(left + u) + 0.5, float(top + v) + 0.5
 
 
 def interior_point(heatmap: Heatmap, region: Region) -> Pixel:
@@ -112,11 +162,15 @@ def interior_point(heatmap: Heatmap, region: Region) -> Pixel:
 
     It maximises heat times distance to the edge. The arg-max alone often lies at a rim, where a
     hand that lands a centimetre off misses the object. The picture's border counts as an edge.
+    Where nothing is hot (a model's box that its heatmap does not show) the distance decides. Of
+    equally good pixels the one nearest to their mean: the middle of a long box, not its start.
     """
     padded = np.pad(region.mask.astype(np.uint8), 1)
     distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
     heat = heatmap[region.top : region.bottom, region.left : region.right]
-    v, u = np.unravel_index(int(np.argmax(heat * distance)), distance.shape)
+    weight = heat * distance if heat.any() else distance
+    best = np.argwhere(weight == weight.max())  # (n, 2), (v, u)
+    v, u = best[np.square(best - best.mean(axis=0)).sum(axis=1).argmin()]
     return float(region.left + u) + 0.5, float(region.top + v) + 0.5
 
 

@@ -59,6 +59,8 @@ class GroundingNode:
                 "phrases": len(request.phrases),
                 "found": sum(one.found for one in reply.evidence),
                 "milliseconds": round(reply.milliseconds),
+                # Of all requests so far: a model that keeps giving boxes of NaN shows here.
+                "dropped_boxes": grounder.dropped_boxes,
             },
         )
         return reply

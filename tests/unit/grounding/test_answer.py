@@ -1,6 +1,7 @@
 """Requests become replies."""
 
 import io
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from w2c.errors import RefusedError
 from w2c.messages import GroundingReply, GroundingRequest
 from w2c_grounding.answer import Grounder
 from w2c_grounding.card import ModelCard
+from w2c_grounding.family import Evidence, RgbImage, ScoredBox
 
 CARD = ModelCard(name="fake", threshold=0.5, vocabulary=["red", "blue", "square"])
 
@@ -67,6 +69,33 @@ def test_heatmaps_come_only_when_wanted() -> None:
 def test_words_the_model_never_saw_are_reported() -> None:
     (answer,) = ask(Grounder(FakeFamily(), CARD), "the red flurb").evidence
     assert answer.unknown_words == ["flurb"]
+
+
+class _Detector(FakeFamily):
+    """Gives boxes of its own, among them one that makes no sense; cannot read 'zyx'."""
+
+    def query(self, context: RgbImage, phrases: Sequence[str]) -> list[Evidence]:
+        boxes = (
+            ScoredBox(100, 10, 120, 40, 0.6),
+            ScoredBox(200, 10, 260, 40, 0.9),
+            ScoredBox(float("nan"), 0, 1, 1, 0.9),
+        )
+        heat = np.zeros(context.shape[:2], dtype=np.float32)
+        return [Evidence(heat, boxes, ("zyx",) if "zyx" in phrase else ()) for phrase in phrases]
+
+
+def test_a_detectors_boxes_are_the_answer_best_first_and_nonsense_is_counted() -> None:
+    grounder = Grounder(_Detector(), CARD)
+    (answer,) = ask(grounder, "red").evidence
+    assert [(box.left, box.score) for box in answer.boxes] == [(200, 0.9), (100, 0.6)]
+    assert (answer.found, answer.score) == (True, 0.9)
+    assert answer.point == pytest.approx((230, 25), abs=1)
+    assert grounder.dropped_boxes == 1
+
+
+def test_words_the_model_cannot_read_are_reported_once_too() -> None:
+    (answer,) = ask(Grounder(_Detector(), CARD), "red zyx").evidence
+    assert answer.unknown_words == ["zyx"]
 
 
 def test_the_same_picture_is_prepared_once() -> None:

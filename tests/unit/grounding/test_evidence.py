@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from w2c.errors import ModelError
 from w2c_grounding.evidence import (
     REGION_FRACTION,
     find,
@@ -16,6 +17,7 @@ from w2c_grounding.evidence import (
     regions_of,
     thumbnail,
 )
+from w2c_grounding.family import ScoredBox
 
 Heat = npt.NDArray[np.float32]
 
@@ -136,3 +138,54 @@ def test_the_thumbnail_keeps_the_shape_of_the_picture_and_bounds_its_size() -> N
     assert small.dtype == np.uint8
     assert (small == 255).all()
     assert thumbnail(np.zeros((3, 5), dtype=np.float32)).shape == (3, 5)
+
+
+def test_a_models_own_boxes_say_what_was_found() -> None:
+    heat = disc(20, 30, 8)
+    boxes = [
+        ScoredBox(60, 20, 80, 40, 0.5),
+        ScoredBox(12, 22, 28, 38, 0.8),
+        ScoredBox(13, 22, 29, 38, 0.7),
+        ScoredBox(0, 0, 5, 5, 0.2),
+    ]
+    finding = find(heat, 0.4, boxes=boxes)
+    assert [(r.left, r.score) for r in finding.regions] == [(12, 0.8), (60, 0.5)]
+    assert finding.score == 0.8
+    assert finding.point == pytest.approx((20, 30), abs=1.5)
+    assert finding.regions[0].mask.sum() == (heat == np.float32(0.9)).sum()
+
+
+def test_a_box_that_the_heatmap_does_not_show_is_touched_in_its_middle() -> None:
+    cold = np.zeros((60, 100), dtype=np.float32)
+    assert find(cold, 0.4, boxes=[ScoredBox(60, 20, 81, 41, 0.5)]).point == (70.5, 30.5)
+
+
+def test_boxes_decide_even_where_the_heatmap_is_hot() -> None:
+    hot = disc(50, 30, 20)
+    for boxes in ((), (ScoredBox(40, 20, 60, 40, 0.1),)):
+        finding = find(hot, 0.5, boxes=boxes)
+        assert not finding.found
+        assert finding.point is None
+        assert finding.score == (boxes[0].score if boxes else 0.0)
+
+
+def test_boxes_that_make_no_sense_are_counted_not_believed() -> None:
+    boxes = [ScoredBox(float("nan"), 0, 10, 10, 0.99), ScoredBox(9, 9, 3, 3, 0.98)]
+    finding = find(disc(50, 30, 20), 0.5, boxes=boxes)
+    assert (finding.found, finding.score, finding.dropped_boxes) == (False, 0.0, 2)
+
+
+def test_the_peak_rule_stays_in_the_best_box() -> None:
+    heat = np.maximum(disc(20, 30, 5), 0.0)
+    heat[30, 80] = 1.0
+    boxes = [ScoredBox(10, 20, 30, 40, 0.8), ScoredBox(75, 25, 85, 35, 0.6)]
+    point = find(heat, 0.5, "peak", boxes).point
+    assert point is not None
+    assert np.hypot(point[0] - 20, point[1] - 30) < 5
+
+
+def test_a_heatmap_that_is_no_number_is_an_error_not_an_answer() -> None:
+    heat = disc(20, 30, 5)
+    heat[0, 0] = np.nan
+    with pytest.raises(ModelError, match="--dtype float32"):
+        find(heat, 0.5)
