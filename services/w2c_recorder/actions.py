@@ -28,8 +28,9 @@ def info(options: Namespace) -> Report:
     """Channels, rates, losses, versions. Raises RecordingError."""
     overview = overview_of(Recording(options.file))
     start = datetime.fromtimestamp(overview.start_ns * 1e-9, UTC)
+    files = f", {overview.files} files" if overview.files > 1 else ""
     lines = [
-        f"{overview.path}: {overview.size_bytes / 1e6:.2f} MB, {overview.messages} messages",
+        f"{overview.path}: {overview.size_bytes / 1e6:.2f} MB, {overview.messages} messages{files}",
         f"from {start:%Y-%m-%d %H:%M:%S} UTC, {overview.duration_s:.1f} s",
     ]
     if overview.recovered:
@@ -85,7 +86,7 @@ def timeline(options: Namespace) -> Report:
     for entry in entries:
         minutes, seconds = divmod(entry.seconds, 60)
         lines.append(f"{minutes:3.0f}:{seconds:06.3f}  {entry.actor:<14} {entry.text}")
-    lines += _damage_lines(source)
+    lines += source.damage.lines()
     if options.html is not None:
         lines.append(_write_page(options, source, entries))
     values = {
@@ -94,14 +95,6 @@ def timeline(options: Namespace) -> Report:
         "entries": [_entry_values(entry) for entry in entries],
     }
     return Report(lines, values)
-
-
-def _damage_lines(source: Recording) -> list[str]:
-    damage = source.damage
-    lines = [] if damage.complete else [f"the recording was not closed: {damage.reason}"]
-    if damage.skipped_chunks:
-        lines.append(f"{damage.skipped_chunks} damaged chunks are missing from this")
-    return lines
 
 
 def _entry_values(entry: Entry) -> dict[str, object]:
@@ -172,7 +165,7 @@ def check(options: Namespace) -> Report:
     found = list(findings(figures, budget))
     failed = [finding for finding in found if not finding.kept]
     lines = [finding.text() for finding in (found if options.all else failed)]
-    lines += _damage_lines(source)
+    lines += source.damage.lines()
     if figures.lock_step:
         lines.append(f"in lock step: rates of the robot are held against {figures.pace:.2f}x")
     lines.append(f"{len(found) - len(failed)} of {len(found)} limits kept")
@@ -227,6 +220,6 @@ def why(options: Namespace) -> Report:
         f"{step.seconds:10.3f} s  {step.what:<12} {step.text}  <{step.link}>" for step in steps
     ]
     return Report(
-        lines + _damage_lines(source),
+        lines + source.damage.lines(),
         {"path": str(options.file), "at": options.at, "steps": [asdict(step) for step in steps]},
     )

@@ -48,7 +48,7 @@ def _table(options: Namespace) -> Report:
             from w2c_recorder.parquet import write_parquet
         count = write_parquet(out, kinds, rows)
     lines = [f"table: {out}, {count} rows, {len(kinds)} columns"]
-    return Report(lines + _damage(source), status=0 if count else 1)
+    return Report(lines + source.damage.lines(), status=0 if count else 1)
 
 
 def _write_rows(out: Path, columns: list[str], rows: Iterable[Row]) -> int:
@@ -91,7 +91,7 @@ def _dataset(options: Namespace) -> Report:
         f"{out / 'conversations.jsonl'}: {len(known)} conversations",
         f"{out / 'pictures'}: {len(pictures)} pictures",
     ]
-    return Report(report + _damage(source), status=0 if known else 1)
+    return Report(report + source.damage.lines(), status=0 if known else 1)
 
 
 def _pictures(
@@ -127,7 +127,7 @@ def _film(options: Namespace) -> Report:
     out = options.out or Path(options.file.stem + ".mp4")
     source = Recording(options.file)
     count = write_film(source, out)
-    return Report([f"film: {out}, {count} pictures", *_damage(source)])
+    return Report([f"film: {out}, {count} pictures", *source.damage.lines()])
 
 
 def _checked_by(read: Any) -> Any:
@@ -162,16 +162,11 @@ def _foxglove(options: Namespace) -> Report:
     lines = [f"recording: {out}, {file.messages} messages, {file.shown} for Foxglove and Rerun"]
     if mirror.problem:
         lines.append(f"the robot is not shown as it moves: {mirror.problem}")
-    return Report(lines + _damage(source), status=0 if file.shown else 1)
+    return Report(lines + source.damage.lines(), status=0 if file.shown else 1)
 
 
 def _json_lines(values: Iterable[Values]) -> bytes:
     return b"".join(json.dumps(one, ensure_ascii=False).encode() + b"\n" for one in values)
-
-
-def _damage(source: Recording) -> list[str]:
-    damage = source.damage
-    return [f"the recording was not closed: {damage.reason}"] if damage.reason else []
 
 
 _FORMATS = {

@@ -202,6 +202,11 @@ class McapFile:
                 )
                 self.shown += 1
 
+    def describe(self, name: str, values: dict[str, str]) -> None:
+        """Write what is known of the system, beside the messages."""
+        with self._writing():
+            self._writer.add_metadata(name, values)
+
     def flush(self) -> None:
         """End the chunk, so that what came so far is readable whatever happens to this process."""
         with self._writing():

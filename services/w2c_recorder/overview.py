@@ -41,6 +41,8 @@ class Overview:
 
     path: str
     size_bytes: int
+    files: int
+    """1, or as many as a rotated series has."""
     complete: bool
     """It was closed by its writer, or recovered since."""
     damage: str
@@ -85,7 +87,8 @@ def overview_of(recording: Recording) -> Overview:
             channels[key].note = f"another version of {name}"
     return Overview(
         path=str(recording.path),
-        size_bytes=recording.path.stat().st_size,
+        size_bytes=recording.size_bytes,
+        files=len(recording.paths),
         complete=recording.damage.complete,
         damage=_describe_damage(recording),
         recovered=recording.metadata.get(RECOVERY_METADATA, {}).get("reason", ""),
@@ -135,4 +138,6 @@ def _describe_damage(recording: Recording) -> str:
         parts.append(f"{damage.skipped_chunks} damaged chunks skipped")
     if damage.orphans:
         parts.append(f"{damage.orphans} messages of channels whose description is lost")
+    if damage.missing_files:
+        parts.append(f"{damage.missing_files} files of this recording are not there")
     return "; ".join(parts)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,11 @@ from w2c.bus import Envelope, decode_envelope
 from w2c.bus.codec import validate
 from w2c.errors import ConfigError, MessageError
 from w2c.messages import CallTrace, ErrorReply, Message
-from w2c_recorder.mcap_file import message_type_of
+from w2c_recorder.mcap_file import SESSION_METADATA, message_type_of
 from w2c_recorder.newer import known_part
 from w2c_recorder.records import Damage, RecordReader
 from w2c_recorder.schemas import same_schema
+from w2c_recorder.series import files_of
 
 
 @dataclass(frozen=True)
@@ -48,20 +49,36 @@ class Recorded:
 
 
 class Recording:
-    """A file to be read. Can be read again and again; each time from its beginning."""
+    """A file to be read, with those in which it went on. Each look begins at its beginning."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.metadata: dict[str, dict[str, str]] = {}
         """Name -> values. Complete after all messages were read, because the last is at the end."""
-        self.damage = Damage()
-        """What could not be read. Final after all messages were read."""
-        self.elsewhere: dict[str, int] = {}
-        """Topic -> messages in other encodings: repeats for other programs, or foreign ones."""
-        self._reader = RecordReader(path)
-        self._read_whole = False
         self.start_ns = 0
         """Arrival of the first message of any key [ns since 1970]; 0 before one was read."""
+        self._look = _Look()
+        self._read_whole = False
+
+    @cached_property
+    def paths(self) -> dict[int, Path]:
+        """Number -> file, in order; 0 is `path`."""
+        return files_of(self.path)
+
+    @property
+    def damage(self) -> Damage:
+        """What could not be read. Final after all messages were read."""
+        return self._look.damage()
+
+    @property
+    def elsewhere(self) -> dict[str, int]:
+        """Topic -> messages in other encodings: repeats for other programs, or foreign ones."""
+        return self._look.elsewhere
+
+    @property
+    def size_bytes(self) -> int:
+        """Of all files [B]."""
+        return sum(path.stat().st_size for path in self.paths.values())
 
     def messages(
         self, wanted: Callable[[str], bool] = lambda _key: True, *, decode: bool = True
@@ -73,36 +90,64 @@ class Recording:
         Raises:
             RecordingError: there is no such file, or it is no recording.
         """
-        reader = RecordReader(self.path)
-        elsewhere: dict[str, int] = {}
-        if not self._read_whole:  # a second look that ends early must not forget what the first saw
-            self._reader, self.damage, self.elsewhere = reader, reader.damage, elsewhere
-        for record in reader.contents():
-            if isinstance(record, McapMessage):
-                self.start_ns = self.start_ns or record.log_time
-                channel = reader.channels[record.channel_id]
-                key = channel.topic
-                if channel.message_encoding != MessageEncoding.MessagePack:
-                    elsewhere[key] = elsewhere.get(key, 0) + 1
-                elif wanted(key):
-                    yield _recorded(key, record, decode=decode)
-            else:
-                self.metadata[record.name] = dict(record.metadata)
-        self._reader, self.damage, self.elsewhere = reader, reader.damage, elsewhere
+        look = self._begin_look()
+        for path in self.paths.values():
+            reader = look.begin(path)
+            for record in reader.contents():
+                if isinstance(record, McapMessage):
+                    self.start_ns = self.start_ns or record.log_time
+                    key = look.key_of(record)
+                    if key and wanted(key):
+                        yield _recorded(key, record, decode=decode)
+                elif record.name != SESSION_METADATA or SESSION_METADATA not in self.metadata:
+                    self.metadata[record.name] = dict(record.metadata)
+        self._look = look
         self._read_whole = True
 
+    def messages_between(
+        self, start_ns: int, end_ns: int, wanted: Callable[[str], bool] = lambda _key: True
+    ) -> Iterator[Recorded]:
+        """Yield the messages, not decoded, that arrived from a time to before another.
+
+        Files that were closed are not read whole: their index tells where to look.
+
+        Args:
+            start_ns: First arrival [ns since 1970].
+            end_ns: Arrivals from here on are left out.
+            wanted: Tells the keys.
+
+        Raises:
+            RecordingError: as for `messages`.
+        """
+        self.read_metadata()
+        look = self._begin_look()
+        for path in self.paths.values():
+            reader = look.begin(path)
+            for record in reader.messages_between(start_ns, end_ns):
+                key = look.key_of(record)
+                if key and wanted(key):
+                    yield _recorded(key, record, decode=False)
+
+    def _begin_look(self) -> "_Look":
+        look = _Look(max(self.paths) + 1 - len(self.paths))
+        if not self._read_whole:  # a second look that ends early must not forget what the first saw
+            self._look = look
+        return look
+
     def read_metadata(self) -> None:
-        """Read what stands before the first message."""
-        next(self.messages(decode=False), None)
+        """Read what stands before the first message, and when that one arrived."""
+        if not self.start_ns:
+            next(self.messages(decode=False), None)
 
     def other_schemas(self) -> dict[str, str]:
         """Return key -> message of the channels read so far that another version described."""
         found = {}
-        for channel in self._reader.channels.values():
-            schema = self._reader.schemas.get(channel.schema_id)
-            known = message_type_of(channel.topic)
-            if schema is not None and known is not None and not same_schema(schema.data, known):
-                found[channel.topic] = schema.name
+        for reader in self._look.readers:
+            for channel in reader.channels.values():
+                schema = reader.schemas.get(channel.schema_id)
+                known = message_type_of(channel.topic)
+                if schema is not None and known is not None and not same_schema(schema.data, known):
+                    found[channel.topic] = schema.name
         return found
 
     def of(self, *rows: topics.Topic[Any]) -> Iterator[Recorded]:
@@ -110,6 +155,53 @@ class Recording:
         for recorded in self.messages(lambda key: topic_of(key) in rows):
             if recorded.message is not None:
                 yield recorded
+
+
+class _Look:
+    """What one pass over the files of a recording finds."""
+
+    def __init__(self, missing_files: int = 0) -> None:
+        self.readers: list[RecordReader] = []
+        self.elsewhere: dict[str, int] = {}
+        self._missing_files = missing_files
+        self._last_ns = 0
+        self._ended_ns = 0
+        """Last arrival in the files before the present one [ns since 1970]"""
+
+    def begin(self, path: Path) -> RecordReader:
+        """Return the reader of the next file."""
+        self._ended_ns = self._last_ns
+        self.readers.append(RecordReader(path))
+        return self.readers[-1]
+
+    def key_of(self, record: McapMessage) -> str:
+        """Return the key of a message; "" for what is no message of the bus, or came before."""
+        channel = self.readers[-1].channels[record.channel_id]
+        key = channel.topic
+        self._last_ns = max(self._last_ns, record.log_time)
+        if channel.message_encoding != MessageEncoding.MessagePack:
+            self.elsewhere[key] = self.elsewhere.get(key, 0) + 1
+            return ""
+        # So that each file can be used alone, it begins with the last snapshot before it.
+        if record.log_time < self._ended_ns and topic_of(key) is topics.CONTROLLER_SNAPSHOT:
+            return ""
+        return key
+
+    def damage(self) -> Damage:
+        """Return what none of the files gave."""
+        found = [(reader.path, reader.damage) for reader in self.readers]
+        several = len(found) > 1
+        return Damage(
+            complete=bool(found) and all(damage.complete for _, damage in found),
+            reason="; ".join(
+                f"{path.name} {damage.reason}" if several else damage.reason
+                for path, damage in found
+                if damage.reason
+            ),
+            skipped_chunks=sum(damage.skipped_chunks for _, damage in found),
+            orphans=sum(damage.orphans for _, damage in found),
+            missing_files=self._missing_files,
+        )
 
 
 @lru_cache(maxsize=4096)

@@ -2,19 +2,25 @@
 
 import struct
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import InvalidMagic, McapError
+from mcap.reader import SeekingReader
 from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk, read_magic
+from mcap.summary import Summary
 
 from w2c.errors import RecordingError
 
 RECORD_LIMIT = 1 << 30
 """Garbage read as a length must not make the reader ask for all memory [B]."""
+DISORDER_NS = 10_000_000_000
+"""A message may stand this much behind later ones: a file that goes on from another begins with the
+last snapshot [ns]"""
 
 # What the library and the decompressors raise for bytes that are no record.
 _DAMAGE = (McapError, CRCValidationError, ValueError, RuntimeError, struct.error, MemoryError)
@@ -32,6 +38,22 @@ class Damage:
     """Chunks in the middle whose bytes are damaged."""
     orphans: int = 0
     """Messages whose channel was described in a damaged chunk."""
+    missing_files: int = 0
+    """Files of a rotated series that are not there."""
+
+    def lines(self) -> list[str]:
+        """Return what people are told of it; nothing for a recording that is whole."""
+        found = []
+        if not self.complete:
+            found.append(f"the recording was not closed: {self.reason or 'it has no end'}")
+        for count, what in (
+            (self.skipped_chunks, "damaged chunks are missing from this"),
+            (self.orphans, "messages are of channels whose description is lost"),
+            (self.missing_files, "files of this recording are not there"),
+        ):
+            if count:
+                found.append(f"{count} {what}")
+        return found
 
 
 @dataclass
@@ -49,20 +71,84 @@ class RecordReader:
         Raises:
             RecordingError: there is no such file, or it is no MCAP file at all.
         """
+        with self._opened() as stream:
+            yield from self._contents(stream)
+
+    def messages_between(self, start_ns: int, end_ns: int) -> Iterator[Message]:
+        """Yield the messages that arrived from `start_ns` to before `end_ns` [ns since 1970].
+
+        By the file's index, where it was closed; otherwise by reading what comes before, too.
+
+        Raises:
+            RecordingError: as for `contents`.
+        """
+        with self._opened() as stream:
+            summary = self._summary(stream)
+            if summary is None:
+                found = self._until(stream, end_ns + DISORDER_NS)
+            else:
+                found = self._indexed(stream, summary, start_ns, end_ns)
+            for message in found:
+                if start_ns <= message.log_time < end_ns:
+                    yield message
+
+    @contextmanager
+    def _opened(self) -> Iterator[IO[bytes]]:
         try:
             with self.path.open("rb") as stream:
-                yield from self._contents(stream)
+                yield stream
         except FileNotFoundError as error:
             raise RecordingError(f"no recording at {self.path}") from error
         except OSError as error:
             raise RecordingError(f"{self.path} cannot be read: {error.strerror}") from error
 
+    def _summary(self, stream: IO[bytes]) -> Summary | None:
+        """Return the index at the end of a file; None where there is none that can be read."""
+        self._check_magic(stream)
+        try:
+            stream.seek(0)
+            summary = SeekingReader(stream, record_size_limit=RECORD_LIMIT).get_summary()
+        except (*_DAMAGE, OSError):  # a seek to before the beginning is an OSError
+            summary = None
+        stream.seek(0)
+        return summary if summary is not None and summary.chunk_indexes else None
+
+    def _indexed(
+        self, stream: IO[bytes], summary: Summary, start_ns: int, end_ns: int
+    ) -> Iterator[Message]:
+        self.schemas.update(summary.schemas)
+        self.channels.update(summary.channels)
+        self.damage.complete = True
+        for index in sorted(summary.chunk_indexes, key=lambda one: one.chunk_start_offset):
+            if index.message_end_time < start_ns or index.message_start_time >= end_ns:
+                continue
+            stream.seek(index.chunk_start_offset)
+            try:
+                chunk = next(self._records(stream), None)
+            except _DAMAGE:
+                chunk = None
+            if not isinstance(chunk, Chunk):
+                self.damage.skipped_chunks += 1
+                continue
+            yield from (one for one in self._keep(chunk) if isinstance(one, Message))
+
+    def _until(self, stream: IO[bytes], last_ns: int) -> Iterator[Message]:
+        """Yield the messages from the beginning to the first that arrived after `last_ns`."""
+        for record in self._contents(stream):
+            if isinstance(record, Message):
+                if record.log_time > last_ns:
+                    return
+                yield record
+
+    @staticmethod
+    def _records(stream: IO[bytes]) -> Iterator[McapRecord]:
+        return StreamReader(
+            stream, skip_magic=True, emit_chunks=True, record_size_limit=RECORD_LIMIT
+        ).records
+
     def _contents(self, stream: IO[bytes]) -> Iterator[Metadata | Message]:
         self._check_magic(stream)
-        reader = StreamReader(
-            stream, skip_magic=True, emit_chunks=True, record_size_limit=RECORD_LIMIT
-        )
-        records = reader.records
+        records = self._records(stream)
         while True:
             try:
                 record = next(records, None)

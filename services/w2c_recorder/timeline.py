@@ -57,6 +57,7 @@ class _Teller:
     def __init__(self) -> None:
         self._controller_phase = ""
         self._process_phase: dict[str, str] = {}
+        self._alive: dict[str, bool] = {}
         self._recorder_error = ""
         self._recorder_lost: dict[str, int] = {}
         self._advice: tuple[str, list[str]] = ("", [])
@@ -172,7 +173,9 @@ class _Teller:
 
     def _liveliness(self, change: Liveliness, _sender: str) -> Lines:
         name = f"{change.service}/{change.instance}"
-        yield _Line("process", name, "appeared" if change.alive else "GONE")
+        if self._alive.get(name) != change.alive:  # each file of a series tells who is there
+            self._alive[name] = change.alive
+            yield _Line("process", name, "appeared" if change.alive else "GONE")
 
 
 def is_told(key: str) -> bool:

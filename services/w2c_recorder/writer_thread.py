@@ -5,6 +5,7 @@ import queue
 import shutil
 import threading
 import time
+import uuid
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from w2c.bus import RawQueue, RawReceived
 from w2c.errors import RecordingError, RefusedError
 from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.progress import Progress, progress_of
+from w2c_recorder.series import SERIES_METADATA, Part
 
 FLUSH_PERIOD_S = 0.5
 """A killed recorder loses what came since the last flush."""
@@ -72,6 +74,7 @@ class WriterThread:
         self._successor = successor
         self._limits = limits
         self._first_path = Path()
+        self._part = Part("", 0)
         self._began_at = 0.0
         self._snapshot: RawReceived | None = None
         self._minimum_free_bytes = minimum_free_bytes
@@ -157,7 +160,8 @@ class WriterThread:
             )
         try:
             self._check_space(path)
-            self._file = self._new_file(path)
+            self._part = Part(uuid.uuid4().hex[:16], 0)
+            self._file = self._make_file(path)
         except RecordingError as error:
             self._progress = Progress(path=str(path), error=str(error))
             raise
@@ -167,6 +171,12 @@ class WriterThread:
         self._began_at = time.monotonic()
         log.info("recording", extra={"path": str(path)})
         self._flush()
+
+    def _make_file(self, path: Path) -> McapFile:
+        """Return a new file that says where it stands in its recording."""
+        file = self._new_file(path)
+        file.describe(SERIES_METADATA, self._part.metadata())
+        return file
 
     def _write(self, received: RawReceived) -> None:
         if self._file is None:
@@ -212,8 +222,9 @@ class WriterThread:
             self._fail(error)
             return
         path = self._successor(self._first_path)
+        self._part = Part(self._part.series, self._part.number + 1)
         try:
-            self._file = self._new_file(path)
+            self._file = self._make_file(path)
         except RecordingError as error:
             self._file = None
             self._progress = progress_of(file, recording=False, error=str(error))
