@@ -15,7 +15,7 @@ from w2c_grounding.wording import check_template
 CARD_FILE = "grounding.json"
 
 # What the authors' demo of CLIPSeg leads to expect; uncalibrated. Set --threshold for a public
-# checkpoint.
+# checkpoint. Other families have their own in `registry.FAMILIES`.
 DEFAULT_THRESHOLD = 0.4
 DEFAULT_TEMPLATE = "{}"
 
@@ -30,15 +30,17 @@ class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """Words of the training phrases that named something; None = not known"""
 
 
-def read_card(directory: Path | None, fallback_name: str) -> ModelCard:
-    """Return the card of a checkpoint directory, or the defaults where it has none.
+def read_card(
+    directory: Path | None, fallback_name: str, fallback_threshold: float = DEFAULT_THRESHOLD
+) -> ModelCard:
+    """Return the card of a checkpoint directory, or one of the fallbacks where it has none.
 
     Raises:
         ModelError: the card is malformed.
     """
     path = None if directory is None else directory / CARD_FILE
     if path is None or not path.is_file():
-        return ModelCard(name=fallback_name[-100:])
+        return ModelCard(name=fallback_name[-100:], threshold=fallback_threshold)
     try:
         card = msgspec.json.decode(path.read_bytes(), type=ModelCard)
         check_template(card.template)

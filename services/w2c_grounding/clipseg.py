@@ -4,31 +4,18 @@ Lüddecke and Ecker, "Image Segmentation Using Text and Image Prompts", CVPR 202
 tower, a CLIP text tower, and a small transformer decoder whose features the text modulates.
 """
 
-import threading
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 import torch
 from transformers import CLIPSegForImageSegmentation, CLIPSegProcessor
-from transformers.utils import logging as transformers_logging
 
-from w2c.errors import ConfigError, ModelError
 from w2c_grounding.evidence import heatmap_from_logits
 from w2c_grounding.family import Evidence, RgbImage
-from w2c_grounding.model_config import Dtype, ModelConfig
+from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.pretrained import Remembered, load_model, load_processor
 from w2c_grounding.wording import fill
-
-_DTYPES: dict[Dtype, torch.dtype] = {
-    "float32": torch.float32,
-    "bfloat16": torch.bfloat16,
-    "float16": torch.float16,
-}
-
-# Phrases of a session repeat; an embedding is a few kilobytes, so this bounds memory to a few
-# megabytes.
-_REMEMBERED_PHRASES = 1000
 
 
 @dataclass(frozen=True)
@@ -44,14 +31,19 @@ class ClipSegContext:
 class ClipSeg:
     """A CLIPSeg checkpoint in memory. Thread-safe."""
 
-    def __init__(self, model: Any, processor: Any, template: str) -> None:
+    def __init__(
+        self, model: Any, processor: Any, template: str, input_size: int | None = None
+    ) -> None:
         # Any: transformers publishes no types for its model classes.
         self._model = model.eval()
         self._processor = processor
         self._template = template
+        # The decoder takes its features for a square grid.
+        self._size = (
+            {} if input_size is None else {"size": {"height": input_size, "width": input_size}}
+        )
         self._longest_text = int(model.config.text_config.max_position_embeddings)
-        self._embeddings: OrderedDict[str, torch.Tensor] = OrderedDict()
-        self._lock = threading.Lock()
+        self._embeddings = Remembered[torch.Tensor]()
 
     @classmethod
     def load(cls, config: ModelConfig, source: str, template: str) -> Self:
@@ -61,35 +53,16 @@ class ClipSeg:
             ConfigError: the device does not exist here.
             ModelError: the files are missing, damaged, or of another architecture.
         """
-        torch.set_num_threads(config.threads)
-        transformers_logging.disable_progress_bar()  # type: ignore[no-untyped-call]
-        where: dict[str, Any] = {"local_files_only": not config.allow_download}
-        if config.revision:
-            where["revision"] = config.revision
-        try:
-            processor = CLIPSegProcessor.from_pretrained(source, backend="pil", **where)
-            model: Any = CLIPSegForImageSegmentation.from_pretrained(
-                source, dtype=_DTYPES[config.dtype], **where
-            )
-        # transformers, safetensors and the tokenizer each have errors of their own for damaged
-        # files.
-        except Exception as error:
-            raise ModelError(
-                f"CLIPSeg cannot be loaded from '{source}': {error}. "
-                "Give a checkpoint directory, or a hub id with --allow-download"
-            ) from error
-        try:
-            model = model.to(config.device)
-        except (RuntimeError, AssertionError) as error:
-            raise ConfigError(
-                f"device '{config.device}' cannot be used: {error}; try --device cpu"
-            ) from error
-        return cls(model, processor, template)
+        processor = load_processor(CLIPSegProcessor, config, source, backend="pil")
+        model = load_model(CLIPSegForImageSegmentation, config, source)
+        return cls(model, processor, template, config.input_size)
 
     @torch.inference_mode()
     def prepare(self, image: RgbImage) -> ClipSegContext:
         """Run the picture tower once."""
-        pixels = self._processor.image_processor(images=image, return_tensors="pt")["pixel_values"]
+        pixels = self._processor.image_processor(images=image, return_tensors="pt", **self._size)[
+            "pixel_values"
+        ]
         output = self._model.clip.get_image_features(
             pixel_values=pixels.to(self._model.device),
             interpolate_pos_encoding=True,
@@ -102,18 +75,16 @@ class ClipSeg:
     @torch.inference_mode()
     def query(self, context: ClipSegContext, phrases: Sequence[str]) -> list[Evidence]:
         """Decode one heatmap a phrase from the activations of the picture."""
-        conditions = torch.stack([self._embedding(phrase) for phrase in phrases])
+        conditions = torch.stack(
+            [self._embeddings.get(phrase, self._embedding) for phrase in phrases]
+        )
         count = len(phrases)
         activations = tuple(layer.expand(count, -1, -1) for layer in context.activations)
         logits = self._model.decoder(activations, conditions).logits.float().cpu().numpy()
         return [Evidence(heatmap_from_logits(one, context.width, context.height)) for one in logits]
 
     def _embedding(self, phrase: str) -> torch.Tensor:
-        """Return the text embedding (projection,) of a phrase, from memory where it is known."""
-        with self._lock:
-            if phrase in self._embeddings:
-                self._embeddings.move_to_end(phrase)
-                return self._embeddings[phrase]
+        """Return the text embedding (projection,) of a phrase."""
         tokens = self._processor.tokenizer(
             [fill(self._template, phrase)],
             truncation=True,
@@ -124,8 +95,4 @@ class ClipSeg:
             input_ids=tokens["input_ids"], attention_mask=tokens["attention_mask"]
         )
         embedding: torch.Tensor = features.pooler_output[0]
-        with self._lock:
-            self._embeddings[phrase] = embedding
-            while len(self._embeddings) > _REMEMBERED_PHRASES:
-                self._embeddings.popitem(last=False)
         return embedding

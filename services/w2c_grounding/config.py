@@ -11,10 +11,11 @@ from w2c_grounding.model_config import Dtype, ModelConfig
 class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Configuration of the grounding process. The defaults load the embedded model."""
 
-    family: str = "clipseg"
-    """Kind of model; known: clipseg."""
+    family: str = ""
+    """Kind of model; empty = what the checkpoint says of itself. `w2c ground models` lists them."""
     model: str = ""
-    """Checkpoint directory, or id on the Hugging Face hub; empty = the embedded model."""
+    """A name of `w2c ground models`, a checkpoint directory, or an id on the Hugging Face hub;
+    empty = the embedded model."""
     revision: str = ""
     """Commit or tag of a hub id; empty = the newest that is present."""
     allow_download: bool = False
@@ -23,6 +24,8 @@ class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """Of the weights in memory."""
     device: str = "cpu"
     """cpu, cuda, cuda:1 ..."""
+    input_size: Annotated[int, msgspec.Meta(ge=16, le=4096)] | None = None
+    """What the picture is scaled to for the model [px]; None = as the checkpoint was trained."""
     threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
     """CPU threads of one answer."""
     threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] | None = None

@@ -10,10 +10,11 @@ Dtype = Literal["float32", "bfloat16", "float16"]
 class ModelConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One row of the registry."""
 
-    family: str = "clipseg"
-    """One of `registry.FAMILIES`"""
+    family: str = ""
+    """One of `registry.FAMILIES`; empty = what the checkpoint says of itself"""
     model: str = ""
-    """Checkpoint directory, or id on the Hugging Face hub; empty = the embedded model"""
+    """Name of `known.KNOWN`, checkpoint directory, or id on the Hugging Face hub; empty = the
+    embedded model"""
     revision: str = ""
     """Commit or tag of a hub id; empty = the newest that is present"""
     allow_download: bool = False
@@ -21,6 +22,9 @@ class ModelConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     dtype: Dtype = "float32"
     device: str = "cpu"
     """cpu, cuda, cuda:1 ..."""
+    input_size: Annotated[int, msgspec.Meta(ge=16, le=4096)] | None = None
+    """What the picture is scaled to for the model [px]: the side of a square, or the shorter side
+    where the family keeps the shape; None = as the checkpoint was trained"""
     threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
     """CPU threads of one answer"""
     threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] | None = None

@@ -1,6 +1,8 @@
 """Which model to load, and from where; the configuration may set its own threshold and template."""
 
+import json
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +11,28 @@ import msgspec
 from w2c.errors import ConfigError, ModelError
 from w2c_grounding.card import ModelCard, read_card
 from w2c_grounding.family import Family
+from w2c_grounding.known import KNOWN
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.wording import check_template
 
 EMBEDDED = Path(__file__).parent / "embedded"
+
+Loader = Callable[[ModelConfig, str, ModelCard], Family[Any]]
+"""(configuration, what to give to `from_pretrained`, card) -> model. Imports its module when it is
+called: torch and a model class of transformers take seconds. Raises ConfigError or ModelError."""
+
+
+@dataclass(frozen=True)
+class FamilyEntry:
+    """A kind of model that can be loaded."""
+
+    load: Loader
+    model_types: tuple[str, ...]
+    """What `config.json` of its checkpoints calls their architecture; () = anything"""
+    threshold: float = 0.4
+    """For a checkpoint without a card; a convention of the family's authors, not calibrated"""
+    local_files: bool = True
+    """False: `model` is no checkpoint (a name on a server); nothing is looked for on disk"""
 
 
 def _load_clipseg(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
@@ -21,8 +41,8 @@ def _load_clipseg(config: ModelConfig, source: str, card: ModelCard) -> Family[A
     return ClipSeg.load(config, source, card.template)
 
 
-FAMILIES: dict[str, Callable[[ModelConfig, str, ModelCard], Family[Any]]] = {
-    "clipseg": _load_clipseg,
+FAMILIES: dict[str, FamilyEntry] = {
+    "clipseg": FamilyEntry(_load_clipseg, ("clipseg",)),
 }
 
 
@@ -34,18 +54,32 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
 
     Raises:
         ConfigError: the family is unknown or a value makes no sense.
-        ModelError: files are missing or damaged; the message says which.
+        ModelError: files are missing, damaged or of another family; the message says which.
     """
-    if config.family not in FAMILIES:
+    if config.family and config.family not in FAMILIES:
         known = ", ".join(sorted(FAMILIES))
         raise ConfigError(f"no model family '{config.family}'; known: {known}")
-    source, directory = resolve(config)
-    card = read_card(directory, fallback_name=Path(source).name if directory else source)
+    name = config.model
+    if name in KNOWN:
+        config = KNOWN[name].applied_to(config)
+    if config.family and not FAMILIES[config.family].local_files:
+        source, directory = config.model, None
+    else:
+        source, directory = resolve(config)
+        config = msgspec.structs.replace(config, family=family_of(config, source, directory))
+    entry = FAMILIES[config.family]
+    card = _card(config, entry, directory, name or source)
+    return entry.load(config, source, card), card
+
+
+def _card(config: ModelConfig, entry: FamilyEntry, directory: Path | None, name: str) -> ModelCard:
+    """Return the checkpoint's card, what it leaves open filled in. Raises ModelError."""
+    card = read_card(directory, Path(name).name if directory else name, entry.threshold)
     if config.threshold is not None:
         card = msgspec.structs.replace(card, threshold=config.threshold)
     if config.template is not None:
         card = msgspec.structs.replace(card, template=check_template(config.template))
-    return FAMILIES[config.family](config, source, card), card
+    return card
 
 
 def resolve(config: ModelConfig) -> tuple[str, Path | None]:
@@ -65,6 +99,45 @@ def resolve(config: ModelConfig) -> tuple[str, Path | None]:
     return config.model, None
 
 
+def family_of(config: ModelConfig, source: str, directory: Path | None) -> str:
+    """Return the family that reads a checkpoint.
+
+    Raises:
+        ConfigError: none does.
+        ModelError: the one that the configuration names does not, or config.json is malformed.
+    """
+    found = _model_type(config, source, directory)
+    readers = [name for name, entry in FAMILIES.items() if found in entry.model_types]
+    if config.family:
+        wanted = FAMILIES[config.family].model_types
+        if found in wanted or not wanted:
+            return config.family
+        fitting = f"use --family {readers[0]}" if readers else "no family here reads it"
+        raise ModelError(
+            f"'{source}' is a checkpoint of architecture '{found}', and family {config.family} "
+            f"reads {', '.join(wanted)}: {fitting}, or name another --model"
+        )
+    if not readers:
+        raise ModelError(
+            f"'{source}' is a checkpoint of architecture '{found}', which no family here reads; "
+            f"known: {', '.join(sorted(FAMILIES))}"
+        )
+    return readers[0]
+
+
+def _model_type(config: ModelConfig, source: str, directory: Path | None) -> str:
+    if directory is None:
+        from w2c_grounding.pretrained import model_type
+
+        return model_type(config, source)
+    path = directory / "config.json"
+    try:
+        values = json.loads(path.read_bytes())
+    except (OSError, ValueError) as error:
+        raise ModelError(f"{path} cannot be read: {error}; copy the checkpoint again") from error
+    return str(values.get("model_type", "")) if isinstance(values, dict) else ""
+
+
 def check_directory(directory: Path) -> Path:
     """Return the directory. Raises ModelError that names the files it lacks."""
     if not directory.is_dir():
@@ -73,9 +146,14 @@ def check_directory(directory: Path) -> Path:
         " or ".join(alternatives)
         for alternatives in (
             ("config.json",),
-            ("model.safetensors", "model.safetensors.index.json", "pytorch_model.bin"),
+            (
+                "model.safetensors",
+                "model.safetensors.index.json",
+                "pytorch_model.bin",
+                "pytorch_model.bin.index.json",
+            ),
             ("preprocessor_config.json", "processor_config.json"),
-            ("tokenizer.json", "vocab.json"),
+            ("tokenizer.json", "vocab.json", "vocab.txt"),
         )
         if not any((directory / name).is_file() for name in alternatives)
     ]
