@@ -59,7 +59,7 @@ class OpenAiBackend:
         self._server = ChatServer(
             options.url,
             key,
-            flag="--openai",
+            flag="--openai-",
             other_flags="--model, --openai-url, --openai-schema and --openai-sampling",
             pause=pause,
         )

@@ -10,6 +10,7 @@ import os
 import re
 import threading
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -23,6 +24,8 @@ _FIRST_PAUSE_S = 0.5
 _LONGEST_PAUSE_S = 30.0
 _RETRIED = {408, 409, 425, 429, 500, 502, 503, 504}
 _MAX_REPLY_BYTES = 4_000_000
+_MAX_STARTS = 200
+"""Brackets at which JSON is looked for: each costs time, and prose has few before its JSON"""
 
 
 class Patience(Protocol):
@@ -52,7 +55,7 @@ class ChatServer:
         Args:
             url: Base address, as in http://127.0.0.1:8080/v1.
             key: Sent as bearer token; empty: none is sent. Kept out of logs and errors.
-            flag: Prefix of the service's flags for address and key, as in `--openai`, for errors.
+            flag: Prefix of the service's flags for address and key, as in `--openai-`, for errors.
             other_flags: What else may be wrong when the server refuses a request, for errors.
             pause: Waits some seconds between attempts; tests pass their own.
 
@@ -64,7 +67,7 @@ class ChatServer:
         self._other_flags = other_flags
         self._closed = threading.Event()
         self._pause: Callable[[float], object] = pause or self._closed.wait
-        check_address(url, f"{flag}-url")
+        check_address(url, f"{flag}url")
         headers = {"Authorization": f"Bearer {key}"} if key else {}
         self.client = httpx.Client(base_url=url.rstrip("/") + "/", headers=headers)
 
@@ -111,7 +114,7 @@ class ChatServer:
     def _read(self, status: int, content: bytes) -> bytes:
         if status in (401, 403):
             raise ModelError(
-                f"{self.url} refuses the key (status {status}); check {self._flag}-key-file"
+                f"{self.url} refuses the key (status {status}); check {self._flag}key-file"
             )
         if status != 200:
             # The body may repeat the request's headers: it is not quoted.
@@ -153,7 +156,7 @@ def read_key(path: str) -> str:
 def extract_json(text: str) -> str:
     """Return the first JSON object or array in a text; the text itself where there is none."""
     decoder = json.JSONDecoder()
-    for match in re.finditer(r"[{\[]", text):
+    for match in islice(re.finditer(r"[{\[]", text), _MAX_STARTS):
         try:
             _, end = decoder.raw_decode(text, match.start())
         except (ValueError, RecursionError):
