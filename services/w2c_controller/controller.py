@@ -64,7 +64,6 @@ class Controller:
             self.model.hand_radius,
             self.parameters.limits,
             Body(self.model),
-            self.posture,
             RoutePlanner(self.model, self.body.at_rest, self.parameters.motion),
         )
         self._agenda = Agenda(self.requests, self.body)
@@ -127,6 +126,7 @@ class Controller:
         restore(self, tree)
         self.takeover.done = True
         self._agenda.open()
+        self._agenda.publish(self._tick, self._holds)
 
     # --- asked for from other threads ------------------------------------------------------------
     def freeze(self, reason: str) -> None:
@@ -140,10 +140,6 @@ class Controller:
     def found(self, hazard: Hazard) -> None:
         """Take a hazard that was found outside: it holds until the next good tick. For the loop."""
         self._holds.found(hazard, self._tick)
-
-    def posture(self) -> Vector:
-        """Return a copy of the desired posture (nq,). From any thread."""
-        return self.retargeting.state.q.copy()
 
     def desired_copy(self, timeout_s: float) -> DesiredState:
         """Return a copy of the desired state. Raises GoalRefusedError when no tick comes."""

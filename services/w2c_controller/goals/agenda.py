@@ -1,9 +1,14 @@
 """From what was admitted to what is under way: goals begin, end, and are told of."""
 
+import numpy as np
+import numpy.typing as npt
+
 from w2c_controller.goals.requests import Request, Requests, Situation
 from w2c_controller.safety.hazards import Holds
 from w2c_controller.switching.events import Event, EventState
 from w2c_controller.whole_body import WholeBody
+
+Vector = npt.NDArray[np.float64]
 
 
 class Agenda:
@@ -31,7 +36,7 @@ class Agenda:
                 self._body.switching.place(request.goal)
             else:
                 self._body.switching.release(request.goal_id, request.effector)
-            self.publish(tick, holds)
+            self._publish(tick, holds, self._requests.situation.desired)
 
     def advance(self) -> None:
         """Advance what is under way by one tick."""
@@ -46,10 +51,13 @@ class Agenda:
             self.advance()
 
     def publish(self, tick: int, holds: Holds) -> None:
-        """Let those who admit goals know what is under way."""
+        """Let those who admit goals know what is under way at the end of a tick."""
         if not self._ready:
             self._requests.situation = Situation(tick=tick, holding=holds.text())
             return
+        self._publish(tick, holds, (tick, self._body.retargeting.state.q.copy()))
+
+    def _publish(self, tick: int, holds: Holds, desired: tuple[int, Vector] | None) -> None:
         switching = self._body.switching
         self._requests.situation = Situation(
             tick=tick,
@@ -60,6 +68,7 @@ class Agenda:
             busy_effector=switching.busy_effector(),
             away=self._body.away(),
             enabled=self._body.retargeting.state.enabled,
+            desired=desired,
         )
 
     def take_events(self) -> list[Event]:

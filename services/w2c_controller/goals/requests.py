@@ -6,7 +6,6 @@ atomic in CPython, so the loop never waits. Threads that ask wait for each other
 
 import threading
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import msgspec
@@ -45,6 +44,8 @@ class Situation(msgspec.Struct, frozen=True):
     away: tuple[bool, bool] = (False, False)
     """Hands that lean, or are away from their rest: left, right"""
     enabled: Enabled = STANDING
+    desired: tuple[int, Vector] | None = None
+    """A tick, and the desired posture (nq,) at its end; None before the first"""
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,6 @@ class Requests:
         hand_radius: tuple[float, float],
         limits: Limits = NOMINAL,
         body: Body | None = None,
-        posture: Callable[[], Vector] | None = None,
         planner: RoutePlanner | None = None,
     ) -> None:
         """Begin without requests.
@@ -76,14 +76,12 @@ class Requests:
             hand_radius: Of the hands, left and right [m].
             limits: Of forces.
             body: Where goals cannot be; None: not looked at.
-            posture: Returns the desired posture (nq,), a copy, in any thread.
             planner: Of ways around what a goal says stands there; None: not looked at.
         """
         self.situation = Situation()
         self._hand_radius = hand_radius
         self._limits = limits
         self._body = body
-        self._posture = posture
         self._planner = planner
         self._slot: deque[Request] = deque()
         self._taken: deque[str] = deque(maxlen=REMEMBERED)
@@ -96,9 +94,9 @@ class Requests:
         with self._asking:
             self._admit(goal.goal_id, message.effective_tick, goal.effector)
             self._check_support(goal.effector)
-            self._check_body(goal)
-            goal = self._plan(goal, message.obstacles)
-            return self._put(Request(goal.goal_id, goal.effector, message.effective_tick, goal))
+            tick, goal = self.judge(goal, message.obstacles)
+            request = Request(goal.goal_id, goal.effector, message.effective_tick, goal)
+            return self.put(request, posture_tick=tick)
 
     def release(self, message: ReleaseGoal) -> GoalReply:
         """Admit a release. Raises GoalRefusedError."""
@@ -111,7 +109,35 @@ class Requests:
                 raise GoalRefusedError(
                     f"the {spoken(effector)} is {where} already: nothing to release"
                 )
-            return self._put(Request(message.goal_id, effector, message.effective_tick, None))
+            return self.put(Request(message.goal_id, effector, message.effective_tick, None))
+
+    def judge(self, goal: Goal, field: HeightField | None) -> tuple[int, Goal]:
+        """Return the goal with what its way must clear, and the tick whose posture decided.
+
+        Args:
+            goal: That was checked.
+            field: What stands there; None: nothing is known of it.
+
+        Raises:
+            GoalRefusedError: the robot itself is there, or the way is blocked.
+        """
+        # One for all of it: the loop goes on meanwhile, and a replay must find the same.
+        now = self.situation
+        if now.desired is None:
+            return -1, goal
+        tick, posture = now.desired
+        self._check_body(goal, posture)
+        if field is None or self._planner is None:
+            return tick, goal
+        leaves = now.enabled[goal.effector]
+        return tick, self._planner.plan(goal, field, posture, leaves=leaves)
+
+    def put(self, request: Request, *, posture_tick: int = -1) -> GoalReply:
+        """Take what was admitted, judged by the posture of a tick."""
+        self._slot.append(request)
+        self._taken.append(request.goal_id)
+        start = request.start_tick if request.start_tick >= 0 else self.situation.tick + 1
+        return GoalReply(goal_id=request.goal_id, start_tick=start, posture_tick=posture_tick)
 
     def due(self, tick: int) -> list[Request]:
         """Take the requests that begin at this tick, in order of arrival. For the loop."""
@@ -167,11 +193,11 @@ class Requests:
         if reason:
             raise GoalRefusedError(reason)
 
-    def _check_body(self, goal: Goal) -> None:
+    def _check_body(self, goal: Goal, posture: Vector) -> None:
         """Refuse points where the robot itself is."""
-        if self._body is None or self._posture is None:
+        if self._body is None:
             return
-        self._body.place(self._posture())
+        self._body.place(posture)
         found = self._body.inside(goal.point, goal.effector)
         if found is not None:
             capsule, depth = found
@@ -179,13 +205,6 @@ class Requests:
                 f"the point is inside the robot: {100 * depth:.0f} cm within the {capsule.part} "
                 f"(radius {100 * capsule.radius:.0f} cm); choose a point beside it"
             )
-
-    def _plan(self, goal: Goal, field: HeightField | None) -> Goal:
-        """Return the goal with what its way must clear. Raises GoalRefusedError where it cannot."""
-        if field is None or self._planner is None or self._posture is None:
-            return goal
-        leaves = self.situation.enabled[goal.effector]
-        return self._planner.plan(goal, field, self._posture(), leaves=leaves)
 
     def _admit(self, goal_id: str, effective_tick: int, effector: int) -> None:
         now = self.situation
@@ -217,9 +236,3 @@ class Requests:
                     f"goal '{request.goal_id}' of the {spoken(request.effector)} begins now; "
                     "one end effector moves at a time"
                 )
-
-    def _put(self, request: Request) -> GoalReply:
-        self._slot.append(request)
-        self._taken.append(request.goal_id)
-        start = request.start_tick if request.start_tick >= 0 else self.situation.tick + 1
-        return GoalReply(goal_id=request.goal_id, start_tick=start)

@@ -103,37 +103,15 @@ class Reports:
                 log.exception("a report of the loop failed")
 
     def _publish_goal(self, event: Event, stamp_ns: int, source: Input) -> None:
-        message = GoalEvent(
-            stamp_ns=stamp_ns,
-            goal_id=event.goal_id,
-            end_effector=EFFECTORS[event.effector],
-            task=event.task,
-            state=event.state,
-            reason=event.reason,
-            distance=event.distance,
-        )
-        self._bus.publish(topics.GOAL_EVENT, message, (source,))
+        self._bus.publish(topics.GOAL_EVENT, goal_message(event, stamp_ns), (source,))
         log.info("goal %s %s", event.goal_id, event.state, extra={"reason": event.reason})
 
     def _publish_safety(self, report: SafetyReport, stamp_ns: int, source: Input | None) -> None:
-        hazard, rule = report.hazard, report.rule
-        message = SafetyEvent(
-            stamp_ns=stamp_ns,
-            tick=report.tick,
-            cause=hazard.cause,
-            state="begins" if report.begins else "ends",
-            subject=hazard.subject,
-            value=hazard.value,
-            limit=hazard.limit,
-            unit=hazard.unit,
-            answer=rule.answer,
-            resumes=rule.resumes,
-            text=f"{hazard.text}: {rule.advice}",
-        )
+        hazard, message = report.hazard, safety_message(report, stamp_ns)
         self._bus.publish(topics.SAFETY_EVENT, message, () if source is None else (source,))
         if report.begins:
             log.warning(
-                "the robot %s: %s", rule.answer, message.text, extra={"cause": hazard.cause}
+                "the robot %s: %s", message.answer, message.text, extra={"cause": hazard.cause}
             )
         else:
             log.info("over: %s", hazard.text, extra={"cause": hazard.cause})
@@ -141,25 +119,9 @@ class Reports:
     def _publish_status(
         self, snapshot: Snapshot, timing: Timing, trouble: str, stamp_ns: int
     ) -> None:
-        status = ControllerStatus(
-            stamp_ns=stamp_ns,
-            tick=snapshot.tick,
-            phase=snapshot.phase,
-            goal_id=snapshot.goal_id,
-            end_effector=snapshot.end_effector,
-            task=snapshot.task,
-            distance=snapshot.distance,
-            in_contact=snapshot.in_contact,
-            desired_forces=snapshot.desired_forces,
-            end_effector_positions=snapshot.positions,
-            loads=np.nan_to_num(snapshot.loads, nan=-1.0),
-            solver_failures=snapshot.solver_failures,
-            lateness_us=timing.lateness_us(),
-            tick_us=timing.tick_us(),
-            message=trouble or snapshot.message,
-            soles=_soles(snapshot),
-        )
-        self._bus.publish(topics.CONTROLLER_STATUS, status)
+        times = timing.lateness_us(), timing.tick_us()
+        message = status_message(snapshot, *times, trouble, stamp_ns)
+        self._bus.publish(topics.CONTROLLER_STATUS, message)
 
     def _publish_statistics(
         self,
@@ -194,6 +156,65 @@ class Reports:
             real_time=real_time.trouble,
         )
         self._bus.publish(topics.CONTROLLER_STATISTICS, message)
+
+
+def goal_message(event: Event, stamp_ns: int) -> GoalEvent:
+    """Return what is told of a goal, of the robot's time [ns]."""
+    return GoalEvent(
+        stamp_ns=stamp_ns,
+        goal_id=event.goal_id,
+        end_effector=EFFECTORS[event.effector],
+        task=event.task,
+        state=event.state,
+        reason=event.reason,
+        distance=event.distance,
+    )
+
+
+def safety_message(report: SafetyReport, stamp_ns: int) -> SafetyEvent:
+    """Return what is told of a hazard, of the robot's time [ns]."""
+    hazard, rule = report.hazard, report.rule
+    return SafetyEvent(
+        stamp_ns=stamp_ns,
+        tick=report.tick,
+        cause=hazard.cause,
+        state="begins" if report.begins else "ends",
+        subject=hazard.subject,
+        value=hazard.value,
+        limit=hazard.limit,
+        unit=hazard.unit,
+        answer=rule.answer,
+        resumes=rule.resumes,
+        text=f"{hazard.text}: {rule.advice}",
+    )
+
+
+def status_message(
+    snapshot: Snapshot,
+    lateness_us: dict[str, float],
+    tick_us: dict[str, float],
+    trouble: str,
+    stamp_ns: int,
+) -> ControllerStatus:
+    """Return what is told of the controller, of the robot's time [ns]."""
+    return ControllerStatus(
+        stamp_ns=stamp_ns,
+        tick=snapshot.tick,
+        phase=snapshot.phase,
+        goal_id=snapshot.goal_id,
+        end_effector=snapshot.end_effector,
+        task=snapshot.task,
+        distance=snapshot.distance,
+        in_contact=snapshot.in_contact,
+        desired_forces=snapshot.desired_forces,
+        end_effector_positions=snapshot.positions,
+        loads=np.nan_to_num(snapshot.loads, nan=-1.0),
+        solver_failures=snapshot.solver_failures,
+        lateness_us=lateness_us,
+        tick_us=tick_us,
+        message=trouble or snapshot.message,
+        soles=_soles(snapshot),
+    )
 
 
 def _soles(snapshot: Snapshot) -> npt.NDArray[np.float64] | None:

@@ -82,6 +82,8 @@ class GoalReply(Message, frozen=True, kw_only=True):
 
     goal_id: Name
     start_tick: int
+    posture_tick: int = -1
+    """The tick whose desired posture the goal was judged and its way planned by; -1 = not said"""
 
 
 class PreviewReply(Message, frozen=True, kw_only=True):

@@ -200,8 +200,8 @@ def test_points_inside_the_robot_are_refused(
     bowing = joints.copy()
     bowing[model.joint_names.index("torso_2_joint")] += 0.5 if part == "trunk" else 0.0
     q = standing_configuration(model, bowing)
-    requests = Requests(RADIUS, body=Body(model), posture=q.copy)
-    requests.situation = READY
+    requests = Requests(RADIUS, body=Body(model))
+    requests.situation = replace(READY, desired=(0, q))
     with pytest.raises(GoalRefusedError, match=f"inside the robot: .* cm within the {part}"):
         requests.place(goal)
     assert requests.due(10**9) == []
@@ -209,8 +209,8 @@ def test_points_inside_the_robot_are_refused(
 
 def test_points_beside_the_robot_are_taken(model: ControlledModel, joints: Array) -> None:
     q = standing_configuration(model, joints)
-    requests = Requests(RADIUS, body=Body(model), posture=q.copy)
-    requests.situation = READY
+    requests = Requests(RADIUS, body=Body(model))
+    requests.situation = replace(READY, desired=(0, q))
     # Its own arm does not count: it will have moved away.
     x, y, z = _hand(model, q).tolist()
     for number, point in enumerate([(0.5, -0.25, 0.84), (0.3, 0.0, 0.8), (x, y, z)]):
