@@ -17,6 +17,7 @@ from w2c.bus.interface import (
     RawQueue,
     RawReceived,
     Received,
+    StandIn,
 )
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "RawQueue",
     "RawReceived",
     "Received",
+    "StandIn",
     "decode_envelope",
     "decode_message",
     "encode_envelope",

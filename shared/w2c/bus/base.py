@@ -30,7 +30,7 @@ from w2c.errors import (
     error_codes,
 )
 from w2c.messages import CallTrace, ErrorReply, Message
-from w2c.topics import Method, Topic
+from w2c.topics import Method, Priority, Topic
 
 M = TypeVar("M", bound=Message)
 Request = TypeVar("Request", bound=Message)
@@ -96,6 +96,12 @@ class BusBase(ABC):
             raise MessageError(f"{key}: {len(payload)} bytes, limit {topic.max_bytes}")
         self._send(topic, key, payload)
         return Input(key=key, boot_id=self.boot_id, sequence=sequence)
+
+    def publish_raw(self, key: str, payload: bytes, priority: Priority) -> None:
+        """Send the bytes of a message in another process's name, for a replay."""
+        if not key.startswith(f"w2c/{topics.VERSION}/{self.robot}/"):
+            raise MessageError(f"{key} is not of {self.robot}, the robot of this connection")
+        self._send_raw(key, payload, priority)
 
     def queue(self, topic: Topic[M], size: int = 1000) -> DecodingQueue[M]:
         """Subscribe to every message."""
@@ -261,6 +267,10 @@ class BusBase(ABC):
     @abstractmethod
     def _send(self, topic: Topic[Any], key: str, payload: bytes) -> None:
         """Put bytes on the wire."""
+
+    @abstractmethod
+    def _send_raw(self, key: str, payload: bytes, priority: Priority) -> None:
+        """Put bytes on the wire, and wait where it is full."""
 
     @abstractmethod
     def _subscribe(self, key_expression: str, deliver: Callable[[RawReceived], None]) -> None:

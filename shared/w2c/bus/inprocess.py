@@ -15,7 +15,7 @@ from w2c.bus.base import BusBase
 from w2c.bus.interface import CallContext, RawReceived, Received
 from w2c.errors import DeadlineError
 from w2c.messages import Message
-from w2c.topics import Method, Topic
+from w2c.topics import Method, Priority, Topic
 
 M = TypeVar("M", bound=Message)
 Request = TypeVar("Request", bound=Message)
@@ -31,13 +31,12 @@ class InProcessHub:
         self.served: dict[
             str, tuple[object, Callable[[RawReceived], tuple[bool, bytes]], ThreadPoolExecutor]
         ] = {}
-        self.tokens: list[tuple[object, str, str]] = []
+        self.tokens: list[tuple[object, str, str, str]] = []
 
     def connect(self, service: str, *, robot: str = "test", instance: str = "0") -> "InProcessBus":
         """Return the bus of one service."""
         bus = InProcessBus(self, robot, service, instance)
-        with self.lock:
-            self.tokens.append((bus, service, instance))
+        bus.appear(service, instance)
         return bus
 
     def deliver(self, raw: RawReceived) -> None:
@@ -129,16 +128,36 @@ class InProcessBus(BusBase):
         with self._hub.lock:
             self._hub.served[key] = (self, lambda raw: self._handle(method, handler, raw), pool)
 
-    def alive(self) -> list[tuple[str, str]]:
-        """Return (service, instance) of every connected bus."""
+    def appear(self, service: str, instance: str) -> None:
+        """Let a process be seen."""
+        token = (self, self.robot, service, instance)
         with self._hub.lock:
-            return [(service, instance) for _, service, instance in self._hub.tokens]
+            if token not in self._hub.tokens:
+                self._hub.tokens.append(token)
+
+    def disappear(self, service: str, instance: str) -> None:
+        """Let it be seen no more."""
+        gone = (self, self.robot, service, instance)
+        with self._hub.lock:
+            self._hub.tokens = [token for token in self._hub.tokens if token != gone]
+
+    def alive(self) -> list[tuple[str, str]]:
+        """Return (service, instance) of every process of this robot that is seen."""
+        with self._hub.lock:
+            return [
+                (service, instance)
+                for _, robot, service, instance in self._hub.tokens
+                if robot == self.robot
+            ]
 
     def close(self) -> None:
         """Undeclare everything."""
         self._hub.remove(self)
 
     def _send(self, topic: Topic[Any], key: str, payload: bytes) -> None:  # noqa: ARG002
+        self._hub.deliver(RawReceived(key, payload, time.monotonic_ns()))
+
+    def _send_raw(self, key: str, payload: bytes, priority: Priority) -> None:  # noqa: ARG002
         self._hub.deliver(RawReceived(key, payload, time.monotonic_ns()))
 
     def _subscribe(self, key_expression: str, deliver: Callable[[RawReceived], None]) -> None:

@@ -6,7 +6,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from w2c.bus.codec import Envelope, Input
 from w2c.messages import Message
-from w2c.topics import Method, Topic
+from w2c.topics import Method, Priority, Topic
 
 M = TypeVar("M", bound=Message)
 M_co = TypeVar("M_co", bound=Message, covariant=True)
@@ -152,3 +152,30 @@ class Bus(Protocol):
 
     def close(self) -> None:
         """Stop serving, undeclare everything. Idempotent."""
+
+
+class StandIn(Protocol):
+    """What a replay of a recording does in the name of processes that are not there."""
+
+    @property
+    def robot(self) -> str:
+        """Id of the robot whose keys are used, the only one that it may speak of."""
+
+    @property
+    def instance(self) -> str:
+        """Which replay this is."""
+
+    def publish_raw(self, key: str, payload: bytes, priority: Priority) -> None:
+        """Send the bytes of a message; waits where the link is full. Raises MessageError."""
+
+    def appear(self, service: str, instance: str) -> None:
+        """Let a process be seen. Idempotent."""
+
+    def disappear(self, service: str, instance: str) -> None:
+        """Let it be seen no more. Idempotent."""
+
+    def alive(self) -> list[tuple[str, str]]:
+        """Return (service, instance) of every process that is seen."""
+
+    def raw_queue(self, key_expression: str, size: int = 10_000) -> RawQueue:
+        """Subscribe to the bytes of every key that matches."""

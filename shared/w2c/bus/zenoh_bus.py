@@ -76,6 +76,8 @@ class ZenohBus(BusBase):
         super().__init__(robot, service, instance)
         self._session = session
         self._publishers: dict[str, zenoh.Publisher] = {}
+        self._raw_publishers: dict[str, zenoh.Publisher] = {}
+        self._stand_ins: dict[tuple[str, str], Any] = {}
         self._publisher_lock = threading.Lock()
         self._declared: list[Any] = []
         self._pools: list[ThreadPoolExecutor] = []
@@ -143,6 +145,18 @@ class ZenohBus(BusBase):
         with self._alive_changed:
             return sorted(self._alive.values())
 
+    def appear(self, service: str, instance: str) -> None:
+        """Let a process be seen."""
+        if (service, instance) not in self._stand_ins:
+            key = topics.liveliness_key(self.robot, service, instance)
+            self._stand_ins[service, instance] = self._session.liveliness().declare_token(key)
+
+    def disappear(self, service: str, instance: str) -> None:
+        """Let it be seen no more."""
+        token = self._stand_ins.pop((service, instance), None)
+        if token is not None:
+            token.undeclare()
+
     def close(self) -> None:
         """Stop serving, undeclare everything. Idempotent."""
         if self._closed:
@@ -188,6 +202,19 @@ class ZenohBus(BusBase):
             self.count(f"closed {key}")
             return
         self._publisher(topic, key).put(payload)
+
+    def _send_raw(self, key: str, payload: bytes, priority: topics.Priority) -> None:
+        publisher = self._raw_publishers.get(key)
+        if publisher is None:
+            publisher = self._session.declare_publisher(
+                key,
+                encoding="application/msgpack",
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                priority=PRIORITIES[priority],
+                express=False,
+            )
+            self._raw_publishers[key] = publisher
+        publisher.put(payload)
 
     def use_lock_step(self) -> None:
         """From now on block, instead of drop, on the links that lock step must not lose."""

@@ -11,8 +11,8 @@ import zenoh
 from support.ports import free_endpoint
 from support.waiting import wait_until
 from w2c import topics
-from w2c.bus import Bus, CallContext, InProcessHub, zenoh_bus
-from w2c.bus.zenoh_bus import connect
+from w2c.bus import Bus, CallContext, InProcessBus, InProcessHub, zenoh_bus
+from w2c.bus.zenoh_bus import ZenohBus, connect
 from w2c.config import ServiceConfig
 from w2c.errors import (
     ConnectionFailedError,
@@ -276,3 +276,40 @@ def test_sessions_are_configured_as_decided() -> None:
     assert zenoh.Config.get_json(config, "scouting/multicast/enabled") == "false"
     assert zenoh.Config.get_json(config, "transport/shared_memory/enabled") == "false"
     assert zenoh.Config.get_json(config, "transport/link/tx/lease") == "1000"
+
+
+def test_a_stand_in_says_and_is_what_others_were(connect_bus: Connect) -> None:
+    replay, operator = connect_bus("replay"), connect_bus("operator")
+    assert isinstance(replay, InProcessBus | ZenohBus)
+    heard = operator.raw_queue(topics.HEALTH.key("test"))
+    key = topics.HEALTH.key("test", "llm")
+
+    def attempt() -> bool:
+        replay.publish_raw(key, b"as recorded", topics.Priority.DATA)
+        return heard.receive(0.1) is not None
+
+    wait_until(attempt)
+    replay.publish_raw(key, b"again", topics.Priority.DATA)
+    wait_until(lambda: (raw := heard.receive(0.1)) is not None and raw.payload == b"again")
+
+    for _ in range(2):
+        replay.appear("llm", "1")
+    wait_until(lambda: ("llm", "1") in operator.alive())
+    for _ in range(2):
+        replay.disappear("llm", "1")
+    wait_until(lambda: ("llm", "1") not in operator.alive())
+    assert ("replay", "0") in operator.alive()
+
+
+def test_a_stand_in_may_not_speak_of_another_robot() -> None:
+    replay = InProcessHub().connect("replay", robot="desk")
+
+    with pytest.raises(MessageError, match="not of desk"):
+        replay.publish_raw(topics.HEALTH.key("talos", "llm"), b"x", topics.Priority.DATA)
+
+
+def test_processes_of_another_robot_are_not_seen() -> None:
+    hub = InProcessHub()
+    hub.connect("controller", robot="talos")
+
+    assert hub.connect("replay", robot="desk").alive() == [("replay", "0")]
