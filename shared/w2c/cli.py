@@ -14,7 +14,7 @@ GROUPS = {
     "operator": ("say", "confirm", "place", "release", "stop", "resume"),
     "look": ("ground", "lift", "cloud"),
     "recordings": ("record", "recording", "replay"),
-    "measure and train": ("bench", "evaluate", "train", "scenes"),
+    "measure and train": ("bench", "evaluate", "benchmark", "train", "scenes"),
     "one service": (
         "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder",
         "console",

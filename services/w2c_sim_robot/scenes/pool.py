@@ -49,7 +49,7 @@ class Pool:
         self.assets: tuple[Asset, ...] = random_assets(rng, judging=judging)
         stock = [_stored(asset) for asset in self.assets]
         self._shapes: dict[str, Shape] = {item.name: shape_of(item) for item in stock}
-        floor = str(rng.choice(["tiles", "wood", "concrete", "carpet"]))
+        floor = self.floor = str(rng.choice(["tiles", "wood", "concrete", "carpet"]))
         scene = Scene(
             name="pool",
             objects=tuple(stock),
