@@ -32,8 +32,7 @@ TIMES = ("lateness_us", "tick_us")
 COMMAND, SNAPSHOT, GOAL, SAFETY, STATUS = (
     f"{row.kind}/{row.service}/{row.name}" for row in (topics.JOINT_COMMAND, *ROWS)
 )
-NOT_BEGUN = "before the first snapshot, of a controller that began before the recording"
-GOES_ON = "where it goes on from a snapshot: the answer to this tick is in it"
+NOT_BEGUN = "up to the first snapshot, of a controller that began before the recording"
 
 
 def through(session: Session, tolerance: float | None) -> Iterator[Compared | Skipped]:
@@ -100,7 +99,7 @@ class Run:
             self._reason = f"no snapshot after it can be gone on from: {error}"
             return Skipped(COMMAND, tick.command.seconds, self._reason)
         self._player = player
-        return Skipped(COMMAND, tick.command.seconds, GOES_ON)
+        return skipped
 
     def _do(self, player: Player, tick: Tick) -> Iterator[Compared | Skipped]:
         """Tick, and compare what came of it."""
