@@ -1,0 +1,121 @@
+"""What is to be sent, and when: one pass through a recording."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from w2c import messages as m
+from w2c.topics import Priority
+from w2c_recorder.liveliness import Liveliness, is_liveliness_key
+from w2c_recorder.reading import Recorded, Recording, topic_of
+from w2c_recorder.replay.namespace import Namespace
+from w2c_recorder.replay.selection import Selection
+
+FOREVER_NS = 2**63
+
+
+@dataclass(frozen=True)
+class Due:
+    """One thing to do at its time."""
+
+    at_ns: int
+    """Arrival at the recorder [ns since 1970]"""
+    key: str
+    """Where to send; "" = nothing is sent"""
+    payload: bytes = b""
+    priority: Priority = Priority.DATA
+    process: tuple[str, str] | None = None
+    """Service and instance whose presence changes"""
+    present: bool = True
+
+    @property
+    def size_bytes(self) -> int:
+        """What it takes in memory, about [B]."""
+        return len(self.payload)
+
+
+@dataclass
+class LeftOut:
+    """What could not be played."""
+
+    unreadable: dict[str, int] = field(default_factory=dict)
+    """Key -> messages without an envelope of this version"""
+
+    def lines(self) -> list[str]:
+        """Return what people are told."""
+        return [
+            f"left out: {count} messages of {key}, which are none of this version"
+            for key, count in sorted(self.unreadable.items())
+        ]
+
+
+class Score:
+    """A recording, read as what is to be done with it."""
+
+    def __init__(
+        self,
+        recording: Recording,
+        selection: Selection,
+        namespace: Namespace,
+        start_s: float = 0.0,
+        end_s: float | None = None,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            recording: what is played.
+            selection: its keys.
+            namespace: whose messages they become.
+            start_s: time of the timeline [s].
+            end_s: the same [s]; None = to the end.
+        """
+        self._recording = recording
+        self._selection = selection
+        self._namespace = namespace
+        self._start_s, self._end_s = start_s, end_s
+        self.left_out = LeftOut()
+
+    def one_pass(self) -> Iterator[Due]:
+        """Yield what is to be done, once through. Raises RecordingError."""
+        recording, selection = self._recording, self._selection
+        recording.read_metadata()
+        first_ns = recording.start_ns + round(self._start_s * 1e9)
+        end_ns = FOREVER_NS
+        if self._end_s is not None:
+            end_ns = recording.start_ns + round(self._end_s * 1e9)
+        self._namespace.begin_pass()
+        self.left_out = LeftOut()
+
+        def wanted(key: str) -> bool:
+            return selection(key) or is_liveliness_key(key)
+
+        for recorded in recording.messages_between(first_ns, end_ns, wanted):
+            yield from self._due(recorded)
+
+    def _due(self, recorded: Recorded) -> Iterator[Due]:
+        if is_liveliness_key(recorded.key):
+            yield from self._presence(recorded)
+            return
+        payload = self._namespace.message(recorded.key, recorded.payload)
+        if payload is None:
+            unreadable = self.left_out.unreadable
+            unreadable[recorded.key] = unreadable.get(recorded.key, 0) + 1
+            return
+        topic = topic_of(recorded.key)
+        process = None
+        if topic is not None and topic.message is m.Health:
+            message = recorded.decoded().message
+            if isinstance(message, m.Health):
+                process = (message.service, message.instance)
+        yield Due(
+            recorded.log_time_ns,
+            self._namespace.key(recorded.key),
+            payload,
+            Priority.DATA if topic is None else topic.priority,
+            process,
+        )
+
+    def _presence(self, recorded: Recorded) -> Iterator[Due]:
+        change = recorded.decoded().message
+        if isinstance(change, Liveliness) and self._selection.shows(change.service):
+            process = (change.service, change.instance)
+            yield Due(recorded.log_time_ns, "", process=process, present=change.alive)
