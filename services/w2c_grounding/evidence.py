@@ -64,7 +64,15 @@ def heatmap_from_logits(logits: npt.NDArray[np.float32], width: int, height: int
     # Beyond 60 the logistic function is 0 or 1 to the last bit; the bound keeps exp from
     # overflowing.
     probabilities = 1.0 / (1.0 + np.exp(-np.clip(logits.astype(np.float32), -60.0, 60.0)))
-    scaled = cv2.resize(probabilities, (width, height), interpolation=cv2.INTER_LINEAR)
+    return heatmap_from_probabilities(np.asarray(probabilities, np.float32), width, height)
+
+
+def heatmap_from_probabilities(
+    probabilities: npt.NDArray[np.float32], width: int, height: int
+) -> Heatmap:
+    """Return probabilities (h, w) that cover the whole picture, at its size."""
+    coarse = np.ascontiguousarray(probabilities, dtype=np.float32)
+    scaled = cv2.resize(coarse, (width, height), interpolation=cv2.INTER_LINEAR)
     return np.asarray(scaled, dtype=np.float32)
 
 

@@ -41,8 +41,31 @@ def _load_clipseg(config: ModelConfig, source: str, card: ModelCard) -> Family[A
     return ClipSeg.load(config, source, card.template)
 
 
+def _load_clip_surgery(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.clip_surgery import ClipSurgery
+
+    return ClipSurgery.load(config, source, card.template)
+
+
+def _load_grounding_dino(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.grounding_dino import GroundingDino
+
+    return GroundingDino.load(config, source, card.template)
+
+
+def _load_owlv2(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.owlv2 import Owlv2
+
+    return Owlv2.load(config, source, card.template)
+
+
 FAMILIES: dict[str, FamilyEntry] = {
     "clipseg": FamilyEntry(_load_clipseg, ("clipseg",)),
+    "clip-surgery": FamilyEntry(_load_clip_surgery, ("clip",), threshold=0.5),
+    "grounding-dino": FamilyEntry(
+        _load_grounding_dino, ("grounding-dino", "mm-grounding-dino"), threshold=0.25
+    ),
+    "owlv2": FamilyEntry(_load_owlv2, ("owlv2",), threshold=0.1),
 }
 
 

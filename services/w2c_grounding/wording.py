@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from w2c.errors import ConfigError, RefusedError
 
 _WORD = re.compile(r"[^\W_]+(?:['-][^\W_]+)*")
+_ARTICLE = re.compile(r"^(?:an?|the)\s+", re.IGNORECASE)
+_ARTICLE_BEFORE = re.compile(r"\b(?:an?|the) \{\}", re.IGNORECASE)
 
 FUNCTION_WORDS = frozenset(
     {"a", "an", "the", "this", "that", "these", "those", "one", "some", "any", "and", "or"}
@@ -34,7 +36,12 @@ def normalised(phrase: str) -> str:
 
 
 def fill(template: str, phrase: str) -> str:
-    """Return the text for the model: the phrase in the template that the model was trained with."""
+    """Return the text for the model: the phrase in the template that the model was trained with.
+
+    A template that ends in an article, as in "a photo of a {}", takes the phrase without its own.
+    """
+    if _ARTICLE_BEFORE.search(template):
+        phrase = _ARTICLE.sub("", phrase)
     return template.replace("{}", phrase)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import torch
 
+from fakes.tiny_models import tiny_clip, tiny_grounding_dino, tiny_owlv2
 from w2c_grounding.card import ModelCard
 from w2c_grounding.train.model import Size, new_model, new_processor, save
 
@@ -33,3 +34,21 @@ def tiny_checkpoint(tmp_path_factory: pytest.TempPathFactory) -> Path:
     card = ModelCard(name="tiny", threshold=0.01, vocabulary=["book", "cup", "red", "blue"])
     save(model, processor, card, directory)
     return directory
+
+
+@pytest.fixture(scope="session")
+def dino_checkpoint(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a GroundingDINO directory; its answers mean nothing."""
+    return tiny_grounding_dino(tmp_path_factory.mktemp("dino"))
+
+
+@pytest.fixture(scope="session")
+def owlv2_checkpoint(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an OWLv2 directory; its answers mean nothing."""
+    return tiny_owlv2(tmp_path_factory.mktemp("owlv2"))
+
+
+@pytest.fixture(scope="session")
+def clip_checkpoint(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a CLIP directory; its answers mean nothing."""
+    return tiny_clip(tmp_path_factory.mktemp("clip"))
