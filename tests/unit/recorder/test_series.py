@@ -167,3 +167,6 @@ def test_a_damaged_chunk_is_left_out_of_a_part(tmp_path: Path) -> None:
 
     assert found == [1_000, 3_000]
     assert recording.damage.skipped_chunks == 1
+    elsewhere = Recording(path)
+    assert [one.log_time_ns for one in elsewhere.messages_between(2_500, 10_000)] == [3_000]
+    assert elsewhere.damage.skipped_chunks == 0  # nobody looked
