@@ -30,6 +30,7 @@ PERCEPTION = ROOT / "docs" / "results" / "perception.json"
 CONTROL = ROOT / "docs" / "results" / "control.json"
 LANGUAGE = ROOT / "docs" / "results" / "language.json"
 UNDERSTANDING = ROOT / "docs" / "results" / "understanding.json"
+CORRECTIONS = ROOT / "docs" / "results" / "corrections.json"
 VOICES = tuple(f".{msgspec.json.decode(line, type=HeldOut).voice}" for line in read_questions([]))
 
 
@@ -48,12 +49,20 @@ def understanding_table() -> str:
     return results_table({**results, "rows": rows})
 
 
+def corrections_table() -> str:
+    """Return the distances of each phase; the results file has voices and phrasings too."""
+    results = json.loads(CORRECTIONS.read_text())
+    rows = [row for row in results["rows"] if "." not in row["case"]]
+    return results_table({**results, "rows": rows})
+
+
 TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
     "control": (ROOT / "docs" / "how-to" / "benchmarks.md", control_table),
     "language": (
         ROOT / "docs" / "how-to" / "benchmarks.md",
         lambda: language_table(json.loads(LANGUAGE.read_text())),
     ),
+    "corrections": (ROOT / "docs" / "how-to" / "benchmarks.md", corrections_table),
     "understanding": (ROOT / "docs" / "how-to" / "benchmarks.md", understanding_table),
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),

@@ -117,9 +117,10 @@ def draw_boxes(sessions: Sequence[Session], paths: Sequence[Path]) -> None:
             medianprops={"color": "black", "linewidth": 1.8},
         )
     axis.axhline(RING_PX, color="tab:green", linestyle="--", linewidth=1.2)
+    axis.plot([MOST_PROMPTS + 0.48], [PAPER_PX], "D", color="black", markersize=5)
     axis.set_yscale("log")
-    axis.set_ylim(2.0, 1.1 * NO_DOT_PX)
-    ticks = (2, 5, 10, 18, 50, 100, 200, 500, 1000)
+    axis.set_ylim(1.0, 1.1 * NO_DOT_PX)
+    ticks = (1, 2, 5, 10, 18, 50, 100, 200, 500, 1000)
     axis.set_yticks(ticks, [str(tick) for tick in ticks])
     axis.minorticks_off()
     axis.set_xticks(range(1, MOST_PROMPTS + 1), [str(i) for i in range(1, MOST_PROMPTS + 1)])
@@ -133,8 +134,12 @@ def draw_boxes(sessions: Sequence[Session], paths: Sequence[Path]) -> None:
     handles.append(
         mpl.lines.Line2D([], [], color="tab:green", linestyle="--", label="target, 18 px")
     )
+    people = "paper: people on photographs, phase 2"
+    handles.append(mpl.lines.Line2D([], [], color="black", marker="D", linestyle="", label=people))
     axis.legend(handles=handles, loc="lower left", fontsize=8)
-    axis.set_title("Box: quartiles and median; whiskers: 5 and 95 %", fontsize=9)
+    axis.set_title(
+        f"Box: quartiles and median; whiskers: 5 and 95 %; no dot: {NO_DOT_PX:.0f} px", fontsize=9
+    )
     figure.tight_layout()
     for path in paths:
         path.parent.mkdir(parents=True, exist_ok=True)
