@@ -1,0 +1,1 @@
+"""How often an instruction leads to an accepted point (`w2c evaluate prediction`)."""
