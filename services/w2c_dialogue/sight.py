@@ -87,7 +87,7 @@ def only(seen: PhraseEvidence, box: Box, size: tuple[int, int]) -> PhraseEvidenc
     if heatmap is not None:
         heatmap = _within(heatmap, box, size)
     if point is None or not (box.left <= point[0] < box.right and box.top <= point[1] < box.bottom):
-        point = _hottest(heatmap, size) or _centre(box)
+        point = _hottest(heatmap, size) or centre(box)
     return msgspec.structs.replace(seen, boxes=[box], point=point, heatmap=heatmap)
 
 
@@ -120,7 +120,8 @@ def _hottest(heatmap: Array | None, size: tuple[int, int]) -> tuple[float, float
     return (float(column) + 0.5) * size[0] / width, (float(row) + 0.5) * size[1] / height
 
 
-def _centre(box: Box) -> tuple[float, float]:
+def centre(box: Box) -> tuple[float, float]:
+    """Return the middle of a box (u, v) [px]."""
     return 0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom)
 
 

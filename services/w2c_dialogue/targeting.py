@@ -18,7 +18,7 @@ from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.locating import locate
 from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
-from w2c_dialogue.sight import Prediction, look, only, twins
+from w2c_dialogue.sight import Prediction, centre, look, only, twins
 from w2c_dialogue.steps import Services
 from w2c_dialogue.utterance import Utterance
 
@@ -91,7 +91,7 @@ class Targeting:
                 utterance=utterance,
                 mentions=analysis.mentions,
                 evidence=evidence,
-                pixels_per_cm=pixels_per_cm(None, frame.view),
+                pixels_per_cm=_scale_at(evidence[0], frame, services),
             )
         lifted, warnings = _depth(prediction, frame, services)
         target = self._conversation.propose(
@@ -228,6 +228,20 @@ class Targeting:
         if masked is None:
             return None
         return lambda seen: masked.point(seen, frame, utterance.text, services)
+
+
+def _scale_at(seen: PhraseEvidence, frame: Frame, services: Services) -> float:
+    """Return how long a centimetre looks at a thing [px]; the usual length without its depth."""
+    view = frame.view
+    at = seen.point or next((centre(box) for box in seen.boxes), None)
+    if view is None or at is None:
+        return pixels_per_cm(None, view)
+    try:
+        lifted = services.lift(*at, frame)
+    except CallError:
+        # The place can be shown all the same, and corrected: so does `_depth`, which tells.
+        return pixels_per_cm(None, view)
+    return pixels_per_cm(lifted.point, view)
 
 
 def _depth(
