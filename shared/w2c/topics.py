@@ -229,6 +229,10 @@ PREVIEW = Method("controller", "preview", m.PlaceGoal, m.PreviewReply, OPERATORS
 COMPLETE = Method("llm", "complete", m.CompleteRequest, m.CompleteReply, ALL, timeout_s=60.0)
 CHOOSE = Method("llm", "choose", m.ChooseRequest, m.ChooseReply, ALL, timeout_s=60.0)
 GROUND = Method("grounding", "ground", m.GroundingRequest, m.GroundingReply, ALL, 60.0, 40_000_000)
+USE_MODEL = Method(
+    "grounding", "use", m.UseModelRequest, m.UseModelReply,
+    ("operator", "console", "evaluation"), timeout_s=600.0,
+)  # fmt: skip
 SAY = Method("dialogue", "say", m.SayRequest, m.Turn, ("console", "operator", "evaluation"), 120.0)
 CONFIRM = Method(
     "dialogue", "confirm", m.ConfirmRequest, m.Turn, ("console", "operator", "evaluation"), 120.0
@@ -249,8 +253,8 @@ METHODS: tuple[Method[Any, Any], ...] = (
     FIND_ALLOWED_AREA, POINT_CLOUD,
     PLACE, RELEASE, CONTROLLER_STOP,
     CONTROLLER_RESUME, SNAPSHOT, PREVIEW,
-    COMPLETE, CHOOSE, GROUND, SAY, CONFIRM, POINT, VETO, RECORD_START, RECORD_STOP, RECORD_STATUS,
-    RECORD_MARK,
+    COMPLETE, CHOOSE, GROUND, USE_MODEL, SAY, CONFIRM, POINT, VETO,
+    RECORD_START, RECORD_STOP, RECORD_STATUS, RECORD_MARK,
 )  # fmt: skip
 
 SERVICES = (

@@ -66,6 +66,7 @@ def all_examples() -> dict[str, m.Message]:
             memory_mb=4.0,
             queue_length=5,
             counters={"malformed x": 6},
+            facts={"configuration": "{}"},
         ),
         m.LogRecord(stamp_ns=1, level="info", logger="w2c", text="text", fields={"a": "b"}),
         m.CallTrace(
@@ -277,6 +278,10 @@ def all_examples() -> dict[str, m.Message]:
             prefill_ms=0.0,
         ),
         m.GroundingRequest(jpeg=b"jpeg", phrases=["book"], want="heatmaps"),
+        m.UseModelRequest(model="owlv2-base", family="owlv2"),
+        m.UseModelReply(
+            model="owlv2-base", previous="embedded", threshold=0.1, seconds=2.5, memory_mb=900.0
+        ),
         box,
         m.PhraseEvidence(
             phrase="book",

@@ -125,17 +125,18 @@ class BusBase(ABC):
         *,
         timeout_s: float | None = None,
         inputs: Sequence[Input] = (),
+        instance: str | None = None,
     ) -> Received[Reply]:
-        """Ask a replica and return its reply; publishes the trace."""
+        """Ask a replica, any or the named one, and return its reply; publishes the trace."""
         timeout = method.timeout_s if timeout_s is None else timeout_s
         key = f"{method.service}/{method.name}"
         payload, _ = self._wrap(f"call/{key}", request, inputs)
         if len(payload) > method.max_bytes:
             raise MessageError(f"request {key}: {len(payload)} bytes, limit {method.max_bytes}")
         started = time.monotonic()
-        outcome, answer, instance, problem = "ok", b"", "", ""
+        outcome, answer, asked, problem = "ok", b"", instance or "", ""
         try:
-            instance, raw = self._ask(method, payload, timeout)
+            asked, raw = self._ask(method, payload, timeout, instance)
             answer = raw.payload
             received = self._decode(method.reply, method.max_bytes, raw)
             if received is None:
@@ -150,7 +151,7 @@ class BusBase(ABC):
             trace = CallTrace(
                 service=method.service,
                 method=method.name,
-                instance=instance,
+                instance=asked,
                 outcome=outcome,
                 duration_ms=(time.monotonic() - started) * 1e3,
                 request=payload,
@@ -278,6 +279,6 @@ class BusBase(ABC):
 
     @abstractmethod
     def _ask(
-        self, method: Method[Any, Any], payload: bytes, timeout_s: float
+        self, method: Method[Any, Any], payload: bytes, timeout_s: float, instance: str | None
     ) -> tuple[str, RawReceived]:
-        """Return (instance, reply bytes) of one replica. Raises CallError."""
+        """Return (instance, reply bytes) of one replica, the named one if any. Raises CallError."""

@@ -165,10 +165,11 @@ class InProcessBus(BusBase):
             self._hub.subscriptions.append((self, key_expression, deliver))
 
     def _ask(
-        self, method: Method[Any, Any], payload: bytes, timeout_s: float
+        self, method: Method[Any, Any], payload: bytes, timeout_s: float, instance: str | None
     ) -> tuple[str, RawReceived]:
+        wanted = method.key(self.robot, instance or "*")
         with self._hub.lock:
-            keys = sorted(k for k in self._hub.served if fnmatchcase(k, method.key(self.robot)))
+            keys = sorted(k for k in self._hub.served if fnmatchcase(k, wanted))
             row = self._hub.served[keys[0]] if keys else None
         if row is None:
             raise self._unavailable(method)

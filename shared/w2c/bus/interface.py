@@ -137,8 +137,11 @@ class Bus(Protocol):
         *,
         timeout_s: float | None = None,
         inputs: Sequence[Input] = (),
+        instance: str | None = None,
     ) -> Received[Reply]:
         """Ask the replica with the shortest queue and return its reply; publishes the trace.
+
+        `instance` names one replica instead: what is said to it holds for no other.
 
         Raises:
             UnavailableError: nobody serves the method, or the process died meanwhile.

@@ -256,10 +256,11 @@ class ZenohBus(BusBase):
         return (service, instance) in self.alive()
 
     def _ask(
-        self, method: Method[Any, Any], payload: bytes, timeout_s: float
+        self, method: Method[Any, Any], payload: bytes, timeout_s: float, instance: str | None
     ) -> tuple[str, RawReceived]:
         deadline = time.monotonic() + timeout_s
-        instance = self._instance_of(method.service, min(timeout_s, LIVELINESS_PATIENCE_S))
+        patience = min(timeout_s, LIVELINESS_PATIENCE_S)
+        instance = instance or self._instance_of(method.service, patience)
         if instance is None:
             raise self._unavailable(method)
         slot = f"{method.service}/{instance}"

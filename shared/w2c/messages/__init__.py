@@ -69,6 +69,8 @@ from w2c.messages.models import (
     GroundingReply,
     GroundingRequest,
     PhraseEvidence,
+    UseModelReply,
+    UseModelRequest,
 )
 from w2c.messages.recording import MarkRequest, RecorderStatus, RecordRequest
 from w2c.messages.robot import (
@@ -165,6 +167,8 @@ __all__ = [
     "Truth",
     "Turn",
     "Unchecked",
+    "UseModelReply",
+    "UseModelRequest",
     "VetoReply",
     "VetoRequest",
     "check_array",

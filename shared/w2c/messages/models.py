@@ -124,3 +124,27 @@ class GroundingReply(Message, frozen=True, kw_only=True):
     height: int
     evidence: list[PhraseEvidence]
     milliseconds: float
+
+
+class UseModelRequest(Message, frozen=True, kw_only=True):
+    """Answer with another vision model from now on."""
+
+    model: Annotated[str, msgspec.Meta(min_length=1, max_length=1000)]
+    """As the grounding process's `--model` takes it, on its machine; `embedded` = the model of
+    this repository"""
+    family: Annotated[str, msgspec.Meta(max_length=100)] = ""
+    """Empty = what the checkpoint says of itself"""
+
+
+class UseModelReply(Message, frozen=True, kw_only=True):
+    """The model answers; requests that came meanwhile were answered by the one before."""
+
+    model: Name
+    previous: Text
+    """Name of the model before; "" where there was none"""
+    threshold: float
+    """A phrase whose score is below it is not in the picture"""
+    seconds: float
+    """What loading took"""
+    memory_mb: float
+    """Of the process, after the model before was let go"""

@@ -190,6 +190,16 @@ def test_a_call_waits_for_a_process_that_is_still_being_built(
             operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=20.0)
 
 
+def test_a_replica_can_be_asked_by_its_name(connect_bus: Connect) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+    robot.serve(topics.ROBOT_STOP, lambda request, _: StopReply(mode="here", stamp_ns=0))
+    request = StopRequest()
+    named = operator.call(topics.ROBOT_STOP, request, instance=robot.instance, timeout_s=20.0)
+    assert named.message.mode == "here"
+    with pytest.raises(UnavailableError):
+        operator.call(topics.ROBOT_STOP, request, instance="another", timeout_s=0.3)
+
+
 def test_a_slow_handler_meets_the_deadline_of_its_caller(connect_bus: Connect) -> None:
     robot, operator = connect_bus("robot"), connect_bus("operator")
     release = threading.Event()
