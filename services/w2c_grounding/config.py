@@ -1,11 +1,14 @@
 """Flags of the grounding process."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
 
 from w2c.config import ServiceConfig
 from w2c_grounding.model_config import Dtype, ModelConfig
+
+EMBEDDED = Path(__file__).parent / "embedded"
 
 
 class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -40,3 +43,8 @@ class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     def model_config(self) -> ModelConfig:
         """Return the part that chooses the model."""
         return ModelConfig(**{name: getattr(self, name) for name in ModelConfig.__struct_fields__})
+
+    def model_files(self) -> Path | None:
+        """Return the model's directory; None where it is not one of this machine by its path."""
+        path = Path(self.model).expanduser() if self.model else EMBEDDED
+        return path if path.is_dir() else None

@@ -48,3 +48,9 @@ class LlmConfig(ServiceConfig, frozen=True, kw_only=True):
     """The server returns the likelihood of the first tokens: choices get real probabilities."""
     openai_concurrency: Annotated[int, msgspec.Meta(ge=1, le=64)] = 4
     """Requests at the server at once."""
+
+    def model_files(self) -> Path | None:
+        """Return the file of the model; None where it is at a server."""
+        if self.backend == "openai":
+            return None
+        return Path(self.model) if self.model else EMBEDDED_MODEL

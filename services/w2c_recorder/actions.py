@@ -38,6 +38,11 @@ def info(options: Namespace) -> Report:
     if overview.damage:
         lines.append(f"DAMAGED: {overview.damage}")
     lines += [f"  {name:<20} {value}" for name, value in overview.session.items()]
+    lines += [
+        f"  {name:<20} {facts['model']}, SHA-256 {facts.get('model_sha256', 'not known')}"
+        for name, facts in overview.processes.items()
+        if "model" in facts
+    ]
     lines += _channel_lines(overview)
     lines += _clock_lines(overview)
     lines += [

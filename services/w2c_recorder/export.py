@@ -150,6 +150,7 @@ def _foxglove(options: Namespace) -> Report:
     """Write the same recording with channels for Foxglove and Rerun beside its own."""
     from w2c_recorder.foxglove.mirror import Mirror
     from w2c_recorder.mcap_file import SESSION_METADATA, McapFile
+    from w2c_recorder.metadata import PROCESS_PREFIX
 
     out = options.out or options.file.with_name(f"{options.file.stem}-foxglove.mcap")
     source, mirror = Recording(options.file), Mirror()
@@ -158,6 +159,9 @@ def _foxglove(options: Namespace) -> Report:
     for recorded in source.messages(decode=False):
         raw = RawReceived(recorded.key, recorded.payload, recorded.log_time_ns)
         file.write(raw, recorded.log_time_ns)
+    for name, facts in source.metadata.items():
+        if name.startswith(PROCESS_PREFIX):
+            file.describe(name, facts)
     file.close()
     lines = [f"recording: {out}, {file.messages} messages, {file.shown} for Foxglove and Rerun"]
     if mirror.problem:

@@ -19,6 +19,7 @@ from w2c.messages import Message
 from w2c_recorder.config import Compression
 from w2c_recorder.liveliness import Liveliness, is_liveliness_key
 from w2c_recorder.losses import LossCounter
+from w2c_recorder.metadata import CLOCKS_METADATA
 from w2c_recorder.schemas import json_schema
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 PROFILE = "words2contact"
 SESSION_METADATA = "session"
 LOSSES_METADATA = "losses"
+FOREVER_NS = 2**63
 MIRROR_PREFIX = "foxglove/"
 """Of the topics that repeat what other channels hold, for other programs"""
 CHUNK_BYTES = 1_000_000
@@ -136,6 +138,8 @@ class McapFile:
         """Messages without a readable envelope; recorded all the same."""
         self.losses = LossCounter()
         self._mirror = mirror
+        self._clocks: dict[str, int] = {}
+        """Sender -> least time that a message was on its way, by both clocks [ns]"""
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         try:
@@ -168,6 +172,9 @@ class McapFile:
             self.malformed += 1
         else:
             self.losses.observe(received.key, head.boot_id, head.sequence)
+            age_ns = log_time_ns - head.clock_ns
+            if age_ns < self._clocks.get(head.sender, FOREVER_NS):
+                self._clocks[head.sender] = age_ns
         with self._writing():
             self._writer.add_message(
                 self._channel_of(received.key),
@@ -215,9 +222,11 @@ class McapFile:
     def close(self) -> None:
         """Write losses, index and summary, and release the file."""
         losses = {key: str(count) for key, count in self.losses.lost().items()}
+        clocks = {sender: str(age_ns) for sender, age_ns in sorted(self._clocks.items())}
         with self._writing():
             self._writer.flush()  # type: ignore[no-untyped-call]
             self._writer.add_metadata(LOSSES_METADATA, losses)
+            self._writer.add_metadata(CLOCKS_METADATA, clocks)
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._output.sync()
             self._output.close()

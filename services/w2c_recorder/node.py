@@ -6,16 +6,16 @@ import time
 from pathlib import Path
 
 from w2c import topics
-from w2c.bus import Bus, CallContext, Envelope, RawReceived, encode_envelope
+from w2c.bus import Bus, CallContext, Envelope, Queue, RawReceived, encode_envelope
 from w2c.bus.codec import ENVELOPE_VERSION
 from w2c.clock import Clock
 from w2c.errors import CallError, ConfigError, RecordingError, RefusedError
-from w2c.messages import Empty, MarkRequest, RecorderStatus, RecordRequest
+from w2c.messages import Empty, Health, MarkRequest, RecorderStatus, RecordRequest
 from w2c_recorder.config import RecorderConfig
 from w2c_recorder.foxglove.mirror import Mirror
 from w2c_recorder.liveliness import Liveliness, LivelinessWatch, key_of
 from w2c_recorder.mcap_file import McapFile
-from w2c_recorder.metadata import session_metadata
+from w2c_recorder.metadata import Processes, session_metadata
 from w2c_recorder.progress import Progress
 from w2c_recorder.recovery import recover_directory
 from w2c_recorder.writer_thread import Limits, WriterThread
@@ -49,6 +49,8 @@ class RecorderNode:
         self._liveliness_sequence: dict[str, int] = {}
         self._writer: WriterThread | None = None
         self._mirror = Mirror() if config.foxglove else None
+        self._processes = Processes()
+        self._health: Queue[Health] | None = None
         self._noted_path = ""
         self._described = False
         self._robot_seen = 0
@@ -75,6 +77,7 @@ class RecorderNode:
                 self._writer.start(next_path(Path(config.run_directory)))
             except RecordingError as error:
                 log.error("not recording: %s", error)
+        self._health = self._bus.queue(topics.HEALTH)
         self._bus.serve(topics.RECORD_START, self._serve_start)
         self._bus.serve(topics.RECORD_STOP, self._serve_stop)
         self._bus.serve(topics.RECORD_STATUS, self._serve_status)
@@ -85,6 +88,7 @@ class RecorderNode:
         while not stop.is_set():
             self._begin_file()
             self._note_liveliness()
+            self._note_processes()
             self._ask_robot()
             self._bus.publish(topics.RECORDER_STATUS, self._status())
             stop.wait(STATUS_PERIOD_S)
@@ -165,6 +169,7 @@ class RecorderNode:
         if path != self._noted_path:
             self._noted_path = path
             self._watch = LivelinessWatch()
+            self._processes.begin_file()
             self._described = False
             self._ask_at = LOOKS_BEFORE_ASKING
             self._robot_seen = 0
@@ -187,6 +192,15 @@ class RecorderNode:
         """Write who came and went since the last look: the tokens themselves are no messages."""
         for change in self._watch.changes(self._bus.alive()):
             self._running().append(self._wrap(change))
+
+    def _note_processes(self) -> None:
+        """Write configurations and checksums of models, where they are not in this file yet."""
+        while self._health is not None and (received := self._health.receive(0.0)) is not None:
+            self._processes.note(received.message)
+        if not self._running().progress.recording:
+            return
+        for name, facts in self._processes.news().items():
+            self._running().describe(name, facts)
 
     def _wrap(self, change: Liveliness) -> RawReceived:
         key = key_of(self._bus.robot, change)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from w2c_recorder.losses import LossCounter
 from w2c_recorder.mcap_file import SESSION_METADATA, head_of, message_type_of
+from w2c_recorder.metadata import PROCESS_PREFIX
 from w2c_recorder.reading import Recording
 from w2c_recorder.recovery import RECOVERY_METADATA
 
@@ -54,6 +55,8 @@ class Overview:
     duration_s: float
     session: dict[str, str]
     """Versions, robot, host, run directory."""
+    processes: dict[str, dict[str, str]]
+    """SERVICE/INSTANCE -> configuration (JSON), file and SHA-256 of its model."""
     channels: list[ChannelSummary]
     clocks: dict[str, float]
     """Sender -> the least time that a message was on its way [s], by the clocks of both: what a
@@ -95,6 +98,11 @@ def overview_of(recording: Recording) -> Overview:
         start_ns=recording.start_ns,
         duration_s=(end_ns - recording.start_ns) * 1e-9,
         session=recording.metadata.get(SESSION_METADATA, {}),
+        processes={
+            name.removeprefix(PROCESS_PREFIX): facts
+            for name, facts in sorted(recording.metadata.items())
+            if name.startswith(PROCESS_PREFIX)
+        },
         clocks=dict(sorted(clocks.items())),
         elsewhere=dict(sorted(recording.elsewhere.items())),
         channels=sorted(channels.values(), key=lambda channel: channel.key),

@@ -109,6 +109,10 @@ class WriterThread:
         """Write a message that did not come over the bus; ignored while no recording is on."""
         self._execute(lambda: self._write(received))
 
+    def describe(self, name: str, values: dict[str, str]) -> None:
+        """Write metadata; ignored while no recording is on."""
+        self._execute(lambda: self._describe(name, values))
+
     def shut_down(self) -> None:
         """Close the recording, if any, and end the thread. Idempotent."""
         with self._admission:
@@ -187,6 +191,14 @@ class WriterThread:
             self._fail(error)
         if received.key.endswith(SNAPSHOT_SUFFIX):
             self._snapshot = received
+
+    def _describe(self, name: str, values: dict[str, str]) -> None:
+        if self._file is None:
+            return
+        try:
+            self._file.describe(name, values)
+        except RecordingError as error:
+            self._fail(error)
 
     def _flush(self) -> None:
         """Make what was written survive a crash, and see whether there is room for more."""

@@ -21,6 +21,7 @@ from w2c.clock import Clock, RealClock
 from w2c.config import ServiceConfig, fail, parse
 from w2c.errors import W2CError
 from w2c.extras import needs_extra
+from w2c.facts import Facts
 from w2c.logs import configure_logs, logs_on
 from w2c.messages import Health
 
@@ -63,8 +64,9 @@ class DetailedNode(Protocol):
 class HealthReporter:
     """Publishes the state of the process once a second, from a thread of its own."""
 
-    def __init__(self, bus: Bus) -> None:
+    def __init__(self, bus: Bus, facts: Callable[[], dict[str, str]] = dict) -> None:
         self._bus = bus
+        self._facts = facts
         self._process = psutil.Process()
         self._stop = threading.Event()
         self._phase = "configure"
@@ -93,6 +95,7 @@ class HealthReporter:
             memory_mb=self._process.memory_info().rss / 1e6,
             queue_length=self.queue_length(),
             counters=dict(self._bus.counters),
+            facts=self._facts(),
         )
         self._bus.publish(topics.HEALTH, health)
 
@@ -115,11 +118,15 @@ def stop_on_signals() -> threading.Event:
 
 
 def run_node(
-    make_node: Callable[[Bus, Clock], Node], bus: Bus, clock: Clock, stop: threading.Event
+    make_node: Callable[[Bus, Clock], Node],
+    bus: Bus,
+    clock: Clock,
+    stop: threading.Event,
+    facts: Callable[[], dict[str, str]] = dict,
 ) -> None:
     """Take a node through its life. Errors of the node come out after it was closed."""
     log = logging.getLogger("w2c.service")
-    health = HealthReporter(bus)
+    health = HealthReporter(bus, facts)
     health.set_phase("configure")
     node = make_node(bus, clock)
     if isinstance(node, QueueingNode):
@@ -173,7 +180,7 @@ def main(
         endpoint = config.robot_endpoint if on_robot_host else config.router
         opened = connect_hub(config, service) if hub else connect(config, service, [endpoint])
         with opened as bus, logs_on(bus):
-            run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop)
+            run_node(lambda b, c: node_factory(config, b, c), bus, RealClock(), stop, Facts(config))
     except W2CError as error:
         logging.getLogger("w2c.service").error("%s", error)
         return fail(error, program)

@@ -87,6 +87,8 @@ class Health(Message, frozen=True, kw_only=True):
     """Requests that wait in this replica."""
     counters: dict[str, int] = {}
     """Drops and refusals since the start, by cause (late, malformed, unreachable ...)."""
+    facts: dict[str, Text] = {}
+    """What the process is, the same in each report: configuration, checksum of its model."""
 
 
 class LogRecord(Message, frozen=True, kw_only=True):

@@ -109,6 +109,19 @@ def test_losses_are_in_the_metadata_of_a_closed_file(path: Path) -> None:
     assert recording.metadata["session"]["robot"] == "test"
 
 
+def test_clocks_of_the_senders_are_in_the_metadata_of_a_closed_file(path: Path) -> None:
+    write_recording(
+        path,
+        [raw_message(MarkRequest(text="a"), MARK_KEY, number, sender=sender, boot_id=sender,
+                     clock_ns=1_000, received_ns=1_000 + age_ns)
+         for number, (sender, age_ns) in enumerate([("llm", 70), ("llm", 50), ("robot", -900)])],
+    )  # fmt: skip
+    recording = Recording(path)
+    list(recording.messages())
+
+    assert recording.metadata["clocks"] == {"llm": "50", "robot": "-900"}
+
+
 def test_an_existing_file_is_never_written_over(path: Path) -> None:
     path.write_bytes(b"precious")
 

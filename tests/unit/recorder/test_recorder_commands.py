@@ -12,6 +12,7 @@ from support.sessions import conversation
 from w2c.errors import ConfigError, RecordingError
 from w2c.messages import MarkRequest, RecorderStatus
 from w2c_recorder.commands import describe_status, record, recording
+from w2c_recorder.mcap_file import McapFile
 
 
 @pytest.fixture
@@ -86,6 +87,18 @@ def test_info_names_clocks_that_are_not_the_recorders(
         "CLOCK: that of camera is at least 0.800 s ahead",
         "CLOCK: that of robot is behind, or its messages take 2.000 s and more",
     ]
+
+
+def test_info_names_the_models(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "session.mcap"
+    file = McapFile(path, {"robot": "test"})
+    file.describe("process llm/0", {"configuration": "{}", "model": "a.gguf", "model_sha256": "ab"})
+    file.describe("process robot/0", {"configuration": "{}"})
+    file.write(raw_mark("a"), 1)
+    file.close()
+    recording(["info", str(path)])
+
+    assert "llm/0                a.gguf, SHA-256 ab" in capsys.readouterr().out
 
 
 ACTIONS = [

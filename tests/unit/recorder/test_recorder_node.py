@@ -29,6 +29,7 @@ from w2c_recorder.config import RecorderConfig
 from w2c_recorder.liveliness import Liveliness
 from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.node import RecorderNode, next_path
+from w2c_recorder.overview import overview_of
 from w2c_recorder.reading import Recording
 
 
@@ -259,3 +260,28 @@ def test_the_robot_is_asked_what_it_is_like(hub: InProcessHub, tmp_path: Path) -
             assert asked.wait(5.0)
 
     assert "w2c/v1/test/trace/recorder/call" in keys(tmp_path / "session.mcap")
+
+
+def test_what_the_processes_are_is_in_each_file(hub: InProcessHub, tmp_path: Path) -> None:
+    facts = {"configuration": "{}", "model": "tiny.gguf", "model_sha256": "ab12"}
+    health = Health(
+        stamp_ns=1, service="llm", instance="1", phase="ready", pid=1, cpu_percent=0.0,
+        memory_mb=1.0, facts=facts,
+    )  # fmt: skip
+
+    def has_them(path: Path) -> bool:
+        recording = Recording(path)
+        list(recording.messages(decode=False))
+        return recording.metadata.get("process llm/1") == facts
+
+    with patch("w2c_recorder.node.STATUS_PERIOD_S", 0.02), recorder(hub, tmp_path) as operator:
+        llm = hub.connect("llm")
+        llm.publish(topics.HEALTH, health)
+        wait_until(lambda: has_them(tmp_path / "session.mcap"))
+        operator.call(topics.RECORD_STOP, Empty())
+        operator.call(topics.RECORD_START, RecordRequest())
+        wait_until(lambda: has_them(tmp_path / "session-1.mcap"))  # nobody said it again
+        operator.call(topics.RECORD_STOP, Empty())
+
+    (one,) = overview_of(Recording(tmp_path / "session.mcap")).processes.items()
+    assert one == ("llm/1", facts)

@@ -81,3 +81,18 @@ def test_a_node_that_fails_is_closed_and_its_words_are_reported(where: str) -> N
         life_of(node)
     assert "close" in node.steps
     assert REPORTS[-1][:2] == ("failed", "no weights at /nowhere")
+
+
+def test_what_the_process_is_is_in_each_report() -> None:
+    hub, stop = InProcessHub(), threading.Event()
+    reports = hub.connect("launcher").queue(topics.HEALTH)
+    stop.set()
+    facts = {"configuration": "{}"}
+
+    run_node(lambda _bus, _clock: Scripted(), hub.connect("llm"), RealClock(), stop, lambda: facts)
+
+    found = []
+    while (received := reports.receive(0.0)) is not None:
+        found.append(received.message.facts)
+    assert found
+    assert all(one == facts for one in found)
