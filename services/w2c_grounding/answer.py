@@ -3,19 +3,23 @@
 import hashlib
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from w2c import messages as m
 from w2c_grounding.card import ModelCard
-from w2c_grounding.evidence import Finding, PointRule, find, thumbnail
+from w2c_grounding.evidence import PointRule, find, thumbnail
 from w2c_grounding.family import Evidence, Family
 from w2c_grounding.picture import decode
 from w2c_grounding.wording import normalised, unknown_words
 
 _REMEMBERED_PICTURES = 4
 """The operator's frame and those around it: a turn asks about one picture several times."""
+
+HEAT_AT_ONCE = 32_000_000
+"""Pixels of heatmaps held at a time (128 MB): thirty-odd phrases on a camera picture, one on a
+picture of 40 megapixels."""
 
 
 @dataclass(frozen=True)
@@ -50,14 +54,19 @@ class Grounder:
         """Answer every phrase of a request.
 
         Raises:
-            RefusedError: the picture cannot be decoded, or a phrase holds no word.
+            RefusedError: the picture cannot be decoded, a phrase holds no word, or memory ran out.
         """
         started = self._timer()
-        seen, evidence, findings = self.look(request.jpeg, request.phrases)
-        answers = [
-            self._answer(phrase, one, finding, with_heatmap=request.want == "heatmaps")
-            for phrase, one, finding in zip(request.phrases, evidence, findings, strict=True)
-        ]
+        texts = [normalised(phrase) for phrase in request.phrases]
+        seen = self._see(request.jpeg)
+        together = max(1, HEAT_AT_ONCE // (seen.width * seen.height))
+        answers: list[m.PhraseEvidence] = []
+        for start in range(0, len(texts), together):
+            evidence = self._family.query(seen.context, texts[start : start + together])
+            answers += [
+                self._answer(phrase, one, with_heatmap=request.want == "heatmaps")
+                for phrase, one in zip(request.phrases[start:], evidence, strict=False)
+            ]
         return m.GroundingReply(
             model=self._card.name,
             width=seen.width,
@@ -65,19 +74,6 @@ class Grounder:
             evidence=answers,
             milliseconds=(self._timer() - started) * 1e-6,
         )
-
-    def look(
-        self, picture: bytes, phrases: Sequence[str]
-    ) -> tuple[Seen, list[Evidence], list[Finding]]:
-        """Return the evidence itself, in pixels of the picture. Raises RefusedError."""
-        texts = [normalised(phrase) for phrase in phrases]
-        seen = self._see(picture)
-        evidence = self._family.query(seen.context, texts)
-        findings = [
-            find(one.heatmap, self._card.threshold, self._rule, one.boxes) for one in evidence
-        ]
-        self.dropped_boxes += sum(finding.dropped_boxes for finding in findings)
-        return seen, evidence, findings
 
     def _see(self, picture: bytes) -> Seen:
         """Return what the model keeps of a picture; decoded and encoded once for the same bytes."""
@@ -91,9 +87,9 @@ class Grounder:
             self._seen.popitem(last=False)
         return seen
 
-    def _answer(
-        self, phrase: str, evidence: Evidence, finding: Finding, *, with_heatmap: bool
-    ) -> m.PhraseEvidence:
+    def _answer(self, phrase: str, evidence: Evidence, *, with_heatmap: bool) -> m.PhraseEvidence:
+        finding = find(evidence.heatmap, self._card.threshold, self._rule, evidence.boxes)
+        self.dropped_boxes += finding.dropped_boxes
         boxes = [
             m.Box(
                 left=float(region.left),

@@ -1,8 +1,8 @@
-"""`w2c ground "book" "cup"`: what the model sees, drawn over a picture."""
+"""`w2c ground "book" "cup"`: what the model sees, drawn over a picture; and its sub-verbs."""
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import msgspec
 import tyro
@@ -13,9 +13,11 @@ from w2c.errors import ConfigError
 from w2c.extras import needs_extra
 from w2c.messages import CaptureRequest, GroundingReply, GroundingRequest, PhraseEvidence
 from w2c.system import Connection, service_config
-
-if TYPE_CHECKING:
-    from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.known import KNOWN
+from w2c_grounding.model_config import Dtype, ModelConfig
+from w2c_grounding.model_list import describe_models, is_in_cache
+from w2c_grounding.pointer.options import PointerOptions
+from w2c_grounding.use_command import use
 
 
 class GroundConfig(Connection, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -23,6 +25,9 @@ class GroundConfig(Connection, frozen=True, kw_only=True, forbid_unknown_fields=
 
     With --image no running system is needed: the model is loaded here. Without it the robot's
     camera takes a picture and the running grounding process answers.
+
+    'w2c ground models' lists the public models that --model knows by name; 'w2c ground use NAME'
+    lets the running process answer with another one.
     """
 
     phrases: tyro.conf.Positional[
@@ -34,28 +39,45 @@ class GroundConfig(Connection, frozen=True, kw_only=True, forbid_unknown_fields=
     out: str = "ground.png"
     """Where the drawn picture is written."""
     model: str = ""
-    """With --image: checkpoint directory or hub id; empty = the embedded model."""
+    """With --image: a name of 'w2c ground models', a checkpoint directory or a hub id; empty = the
+    embedded model."""
+    family: str = ""
+    """With --image: kind of model; empty = what the checkpoint says of itself."""
+    revision: str = ""
+    """With --image: commit or tag of a hub id; empty = the newest that is present."""
+    allow_download: bool = False
+    """With --image: fetch a hub id that is not on this machine."""
+    dtype: Dtype = "float32"
+    """With --image: of the weights in memory."""
     device: str = "cpu"
     """With --image: cpu, cuda ..."""
+    input_size: Annotated[int, msgspec.Meta(ge=16, le=4096)] | None = None
+    """With --image: what the picture is scaled to for the model [px]."""
     threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
     """With --image: CPU threads."""
     threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] | None = None
     """With --image: a phrase whose peak is below it is not in the picture."""
+    template: str | None = None
+    """With --image: text around a phrase, as in 'a photo of a {}'."""
+    pointer: PointerOptions = PointerOptions()
+    """With --image: of the families pointer and pointer-local."""
     point_rule: Literal["interior", "peak"] = "interior"
     """With --image: interior (hot and far from edges) or peak (the arg-max of the paper)."""
 
-    def model_config(self) -> "ModelConfig":
+    def model_config(self) -> ModelConfig:
         """Return the part that chooses the model."""
-        from w2c_grounding.model_config import ModelConfig
-
-        return ModelConfig(
-            model=self.model, device=self.device, threads=self.threads, threshold=self.threshold
-        )
+        return ModelConfig(**{name: getattr(self, name) for name in ModelConfig.__struct_fields__})
 
 
 def ground(arguments: list[str] | None = None) -> int:
     """Run the verb. Exit status: 0 done, also where nothing was found; 1 failed; 2 usage."""
     argv = sys.argv[1:] if arguments is None else arguments
+    if argv == ["models"]:
+        with needs_extra("grounding"):
+            print(describe_models(KNOWN.values(), is_in_cache))
+        return 0
+    if argv[:1] == ["use"]:
+        return use(argv[1:])
     config = parse(GroundConfig, argv, program="w2c ground")
     with needs_extra("grounding"):
         from w2c_grounding.drawing import draw_reply

@@ -7,6 +7,7 @@ import msgspec
 
 from w2c.config import ServiceConfig
 from w2c_grounding.model_config import Dtype, ModelConfig
+from w2c_grounding.pointer.options import PointerOptions
 
 EMBEDDED = Path(__file__).parent / "embedded"
 
@@ -35,6 +36,8 @@ class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """A phrase whose peak is below it is not in the picture; None = the checkpoint's own."""
     template: str | None = None
     """Text around a phrase, as in 'a photo of a {}'; None = the checkpoint's own."""
+    pointer: PointerOptions = PointerOptions()
+    """Of the families pointer and pointer-local."""
     point_rule: Literal["interior", "peak"] = "interior"
     """interior: hot and far from edges. peak: the arg-max of the paper."""
     queue_limit: Annotated[int, msgspec.Meta(ge=0, le=100)] = 8

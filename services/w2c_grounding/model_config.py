@@ -4,6 +4,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from w2c_grounding.pointer.options import PointerOptions
+
 Dtype = Literal["float32", "bfloat16", "float16"]
 
 
@@ -31,3 +33,5 @@ class ModelConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """A phrase whose peak is below it is not in the picture; None = the checkpoint's own"""
     template: str | None = None
     """Text around a phrase, as in 'a photo of a {}'; None = the checkpoint's own"""
+    pointer: PointerOptions = PointerOptions()
+    """Of the families `pointer` and `pointer-local`"""

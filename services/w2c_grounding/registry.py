@@ -11,6 +11,7 @@ import msgspec
 from w2c.errors import ConfigError, ModelError
 from w2c_grounding.card import ModelCard, read_card
 from w2c_grounding.family import Family
+from w2c_grounding.guard import Guarded
 from w2c_grounding.known import KNOWN
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.wording import check_template
@@ -59,6 +60,36 @@ def _load_owlv2(config: ModelConfig, source: str, card: ModelCard) -> Family[Any
     return Owlv2.load(config, source, card.template)
 
 
+def _load_florence(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.florence import Florence
+
+    return Florence.load(config, source, card.template, "boxes")
+
+
+def _load_florence_outline(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.florence import Florence
+
+    return Florence.load(config, source, card.template, "outlines")
+
+
+def _load_sam3(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.sam3 import Sam3
+
+    return Sam3.load(config, source, card.template)
+
+
+def _load_pointer(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.pointer.loading import load_server
+
+    return load_server(config, source, card.template)
+
+
+def _load_local_pointer(config: ModelConfig, source: str, card: ModelCard) -> Family[Any]:
+    from w2c_grounding.pointer.loading import load_local
+
+    return load_local(config, source, card.template)
+
+
 FAMILIES: dict[str, FamilyEntry] = {
     "clipseg": FamilyEntry(_load_clipseg, ("clipseg",)),
     "clip-surgery": FamilyEntry(_load_clip_surgery, ("clip",), threshold=0.5),
@@ -66,6 +97,15 @@ FAMILIES: dict[str, FamilyEntry] = {
         _load_grounding_dino, ("grounding-dino", "mm-grounding-dino"), threshold=0.25
     ),
     "owlv2": FamilyEntry(_load_owlv2, ("owlv2",), threshold=0.1),
+    "florence": FamilyEntry(_load_florence, ("florence2",), threshold=0.3),
+    "florence-outline": FamilyEntry(_load_florence_outline, ("florence2",), threshold=0.3),
+    "sam3": FamilyEntry(_load_sam3, ("sam3", "sam3_video"), threshold=0.5),
+    "pointer": FamilyEntry(_load_pointer, (), threshold=0.5, local_files=False),
+    "pointer-local": FamilyEntry(
+        _load_local_pointer,
+        ("qwen2_vl", "qwen2_5_vl", "qwen3_vl", "qwen3_5", "molmo2", "llava", "internvl", "glm4v"),
+        threshold=0.5,
+    ),
 }
 
 
@@ -73,7 +113,8 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
     """Load a model.
 
     Returns:
-        The model, and its card with the configuration's own threshold and template in it.
+        The model, guarded against lack of memory, and its card with the configuration's own
+        threshold and template in it.
 
     Raises:
         ConfigError: the family is unknown or a value makes no sense.
@@ -92,7 +133,7 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
         config = msgspec.structs.replace(config, family=family_of(config, source, directory))
     entry = FAMILIES[config.family]
     card = _card(config, entry, directory, name or source)
-    return entry.load(config, source, card), card
+    return Guarded(entry.load(config, source, card), config.device), card
 
 
 def _card(config: ModelConfig, entry: FamilyEntry, directory: Path | None, name: str) -> ModelCard:

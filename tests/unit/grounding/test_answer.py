@@ -71,6 +71,18 @@ def test_words_the_model_never_saw_are_reported() -> None:
     assert answer.unknown_words == ["flurb"]
 
 
+class CountingFamily(FakeFamily):
+    """Notes how many phrases it is asked at a time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.batches: list[int] = []
+
+    def query(self, context: RgbImage, phrases: Sequence[str]) -> list[Evidence]:
+        self.batches.append(len(phrases))
+        return super().query(context, phrases)
+
+
 class _Detector(FakeFamily):
     """Gives boxes of its own, among them one that makes no sense; cannot read 'zyx'."""
 
@@ -115,6 +127,17 @@ def test_other_pictures_are_not_confused_and_memory_is_bounded() -> None:
         assert answer.point == pytest.approx((at + 20, 80), abs=2)
     ask(grounder, "red", at=10)
     assert family.prepared == 6
+
+
+def test_heat_of_many_phrases_is_not_held_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two pictures' worth of it, here; the answers are the same and in order."""
+    monkeypatch.setattr("w2c_grounding.answer.HEAT_AT_ONCE", 2 * 320 * 180)
+    family = CountingFamily()
+    phrases = ["red", "green", "blue", "red one", "blue one"]
+    reply = ask(Grounder(family, CARD), *phrases)
+    assert family.batches == [2, 2, 1]
+    assert [answer.phrase for answer in reply.evidence] == phrases
+    assert [answer.found for answer in reply.evidence] == [True, False, True, True, True]
 
 
 def test_a_damaged_picture_is_refused() -> None:

@@ -72,3 +72,22 @@ def test_a_line_names_point_box_score_and_how_many_more() -> None:
     assert describe(found) == "  cup: point (16, 20), box [1 2 30 40] and 1 more, score 0.90"
     absent = PhraseEvidence(phrase="cup", found=False, score=0.1, point=None, boxes=[])
     assert describe(absent) == "  cup: not found, score 0.10"
+
+
+def test_too_many_phrases_or_too_long_a_one_are_refused_with_the_limit(picture: Path) -> None:
+    with pytest.raises((ConfigError, SystemExit)):
+        ground([*["cup"] * 200, "--image", str(picture)])
+    with pytest.raises(ConfigError, match="100"):
+        ground(["cup " * 250, "--image", str(picture)])
+
+
+@pytest.mark.parametrize("family", ["dino_checkpoint", "owlv2_checkpoint", "clip_checkpoint"])
+def test_every_family_answers_through_the_verb(
+    family: str, picture: Path, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    out = tmp_path / "answer.png"
+    model = ["--model", str(request.getfixturevalue(family)), "--threads", "1"]
+    flags = ["--image", str(picture), "--out", str(out), "--threshold", "0.001", *model]
+    phrases = ["red cup", "3.5 inch disk.", "красная чашка"]
+    assert ground([*phrases, *flags]) == 0
+    assert (decode(out.read_bytes()) != decode(picture.read_bytes())).any()

@@ -55,3 +55,30 @@ def test_a_small_file_that_claims_a_huge_picture_is_refused() -> None:
     bomb = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")
     with pytest.raises(RefusedError, match="9000 x 9000"):
         decode(bomb)
+
+
+def png(image: Image.Image) -> bytes:
+    buffer = io.BytesIO()
+    image.save(buffer, format="PNG")
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize("mode", ["RGBA", "LA", "P", "1"])
+def test_every_usual_kind_of_png_becomes_three_channels(mode: str) -> None:
+    assert decode(png(Image.new("RGB", (64, 48), (250, 250, 250)).convert(mode))).shape == (
+        48,
+        64,
+        3,
+    )
+
+
+def test_a_depth_picture_is_refused_not_read_as_white() -> None:
+    deep = Image.fromarray(np.full((48, 64), 1500, dtype=np.uint16))
+    with pytest.raises(RefusedError, match="8 bits"):
+        decode(png(deep))
+
+
+def test_a_strip_is_refused() -> None:
+    with pytest.raises(RefusedError, match="3100 x 100"):
+        decode(png(Image.new("RGB", (3100, 100))))
+    assert decode(png(Image.new("RGB", (1, 1)))).shape == (1, 1, 3)

@@ -1,5 +1,7 @@
 """Which model is loaded, and what is said when it cannot be."""
 
+import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -7,7 +9,7 @@ import pytest
 from w2c.errors import ConfigError, ModelError
 from w2c_grounding.card import CARD_FILE, read_card
 from w2c_grounding.model_config import ModelConfig
-from w2c_grounding.registry import load, resolve
+from w2c_grounding.registry import family_of, load, resolve
 
 
 def test_the_card_of_a_checkpoint_says_how_to_read_it(tiny_checkpoint: Path) -> None:
@@ -63,7 +65,7 @@ def test_a_malformed_card_is_an_error_with_its_path(tmp_path: Path, text: str) -
 
 
 def test_an_unknown_family_is_told_the_known_ones() -> None:
-    with pytest.raises(ConfigError, match="known: .*clipseg"):
+    with pytest.raises(ConfigError, match=r"known: .*clipseg"):
         load(ModelConfig(family="oracle"))
 
 
@@ -78,3 +80,63 @@ def test_damaged_weights_are_a_model_error(tiny_checkpoint: Path, tmp_path: Path
     (tmp_path / "model.safetensors").write_bytes(b"not weights")
     with pytest.raises(ModelError, match="cannot be loaded"):
         load(ModelConfig(model=str(tmp_path)))
+
+
+def test_a_checkpoint_says_itself_which_family_reads_it(
+    dino_checkpoint: Path, owlv2_checkpoint: Path, clip_checkpoint: Path, tiny_checkpoint: Path
+) -> None:
+    found = {
+        family_of(ModelConfig(), str(directory), directory)
+        for directory in (dino_checkpoint, owlv2_checkpoint, clip_checkpoint, tiny_checkpoint)
+    }
+    assert found == {"grounding-dino", "owlv2", "clip-surgery", "clipseg"}
+
+
+def test_a_checkpoint_of_another_family_is_told_which_one_reads_it(clip_checkpoint: Path) -> None:
+    config = ModelConfig(model=str(clip_checkpoint), family="clipseg")
+    with pytest.raises(ModelError, match=r"'clip'.*reads clipseg: use --family clip-surgery"):
+        load(config)
+
+
+def test_a_checkpoint_that_no_family_reads_is_told_the_known_ones(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text('{"model_type": "resnet"}')
+    for family in ("", "owlv2"):
+        with pytest.raises(ModelError, match=r"'resnet'.*no family here reads"):
+            family_of(ModelConfig(family=family), "there", tmp_path)
+
+
+def test_a_malformed_configuration_is_a_model_error(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text("{")
+    with pytest.raises(ModelError, match=r"config\.json cannot be read"):
+        family_of(ModelConfig(), "there", tmp_path)
+
+
+def test_weights_that_are_not_in_the_file_are_an_error_not_random_numbers(
+    owlv2_checkpoint: Path, tmp_path: Path
+) -> None:
+    from safetensors.torch import load_file, save_file
+
+    directory = tmp_path / "lacking"
+    shutil.copytree(owlv2_checkpoint, directory)
+    weights = load_file(directory / "model.safetensors")
+    del weights["box_head.dense0.weight"]
+    save_file(weights, directory / "model.safetensors", metadata={"format": "pt"})
+    with pytest.raises(ModelError, match=r"lacks 1 weights .*box_head\.dense0\.weight"):
+        load(ModelConfig(model=str(directory), threads=1))
+
+
+def test_an_architecture_of_another_size_is_a_model_error(
+    clip_checkpoint: Path, tmp_path: Path
+) -> None:
+    directory = tmp_path / "resized"
+    shutil.copytree(clip_checkpoint, directory)
+    values = json.loads((directory / "config.json").read_text())
+    values["vision_config"]["hidden_size"] = 48
+    (directory / "config.json").write_text(json.dumps(values))
+    with pytest.raises(ModelError, match=r"check --family|not wholly"):
+        load(ModelConfig(model=str(directory), threads=1))
+
+
+def test_families_have_thresholds_of_their_own(owlv2_checkpoint: Path) -> None:
+    _, card = load(ModelConfig(model=str(owlv2_checkpoint), threads=1))
+    assert card.threshold == 0.1

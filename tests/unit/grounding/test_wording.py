@@ -41,3 +41,9 @@ def test_a_template_has_one_place_for_the_phrase() -> None:
     for wrong in ("a photo", "{} and {}"):
         with pytest.raises(ConfigError, match="exactly one"):
             check_template(wrong)
+
+
+def test_a_template_that_has_an_article_takes_the_phrase_without_its_own() -> None:
+    assert fill("a photo of a {}", "the red cup") == "a photo of a red cup"
+    assert fill("a photo of {}", "the red cup") == "a photo of the red cup"
+    assert fill("a photo of a {}", "theatre") == "a photo of a theatre"
