@@ -41,7 +41,7 @@ def play_on_bus(path: Path, options: ReplayOptions) -> Report:
     stop = stop_on_signals()
     from w2c.bus.zenoh_bus import connect
 
-    with connect(service, REPLAY, [service.router]) as bus, _quick_switches():
+    with connect(service, REPLAY, [service.router]) as bus, quick_switches():
         return play(recording, options, bus, RealClock(), stop)
 
 
@@ -125,7 +125,8 @@ def _why_nothing(recording: Recording, selection: Selection, options: ReplayOpti
 
 
 @contextmanager
-def _quick_switches() -> Iterator[None]:
+def quick_switches() -> Iterator[None]:
+    """Let the thread that sends run soon after it wakes up, whatever another one computes."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_S)
     try:

@@ -1,0 +1,1 @@
+"""`w2c bench recording`: what recording costs and loses, and how late a replay is."""

@@ -1,0 +1,1 @@
+"""What `w2c bench recording` measures."""
