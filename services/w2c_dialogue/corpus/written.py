@@ -21,7 +21,7 @@ from w2c_dialogue.corpus.moves import read_move
 from w2c_dialogue.corpus.phrases import phrase, plain_phrase
 from w2c_dialogue.corpus.places import Place, read_place
 from w2c_dialogue.prompts.base import EFFECTORS, TASKS
-from w2c_dialogue.prompts.embedded import MAX_SPAN_WORDS
+from w2c_dialogue.prompts.spans import MAX_SPAN_WORDS
 
 Kind = Literal["instructions", "corrections", "confirmations", "dialogues"]
 TURN_KINDS: dict[str, Kind] = {"p": "instructions", "c": "corrections", "y": "confirmations"}

@@ -25,12 +25,10 @@ from w2c_dialogue.prompts.base import (
     schema_of,
 )
 from w2c_dialogue.prompts.bound import arithmetic_of, numbers_of
-from w2c_dialogue.utterance import LETTERS, Mention, Span, Utterance
+from w2c_dialogue.prompts.spans import spans_schema
+from w2c_dialogue.utterance import Mention, Span, Utterance
 
 IMAGE_WIDTH = 1280.0
-MAX_SPAN_WORDS = 12
-MAX_ENUM = 256
-"""Longer lists are refused by the language service."""
 MAX_EXPRESSION = 60
 REMEMBERED_MOVES = 3
 NAMED_MOVES = 8
@@ -60,7 +58,7 @@ class EmbeddedPrompts:
         """Ask for the kind of position and the words of the objects."""
         properties = {
             "position": {"type": "string", "enum": list(POSITIONS)},
-            "objects": _spans_schema(utterance),
+            "objects": spans_schema(utterance),
         }
         return Question(
             "analyze", _messages("analyze", utterance.numbered()), 1, schema_of(properties)
@@ -68,7 +66,7 @@ class EmbeddedPrompts:
 
     def objects(self, utterance: Utterance) -> Question:
         """Ask for the words of the objects in a correction."""
-        properties = {"objects": _spans_schema(utterance)}
+        properties = {"objects": spans_schema(utterance)}
         return Question(
             "objects", _messages("objects", utterance.numbered()), 1, schema_of(properties)
         )
@@ -171,25 +169,3 @@ def _direction(move: Move) -> str:
 
 def _messages(tag: TaskName, content: str) -> tuple[ChatMessage, ...]:
     return (ChatMessage(role="system", content=tag), ChatMessage(role="user", content=content))
-
-
-def _spans_schema(utterance: Utterance) -> dict[str, object]:
-    """Allow exactly the ranges of words of the utterance; of a long one, any two numbers."""
-    count = len(utterance.typed)
-    ranges = [
-        f"{first}-{last}"
-        for first in range(1, count + 1)
-        for last in range(first, min(first + MAX_SPAN_WORDS, count + 1))
-    ]
-    items: dict[str, object] = {"type": "string", "enum": ranges}
-    if len(ranges) > MAX_ENUM:
-        number = _numbers_up_to(count)
-        items = {"type": "string", "pattern": f"^({number})-({number})$"}
-    return {"type": "array", "items": items, "minItems": 0, "maxItems": len(LETTERS)}
-
-
-def _numbers_up_to(count: int) -> str:
-    """Return the regular expression of the numbers 1 to `count` (10 to 99)."""
-    tens, ones = divmod(count, 10)
-    below = f"[1-{tens - 1}][0-9]|" if tens > 1 else ""
-    return f"[1-9]|{below}{tens}[0-{ones}]"

@@ -10,9 +10,10 @@ from w2c.messages import Box
 from w2c_dialogue.expressions import evaluate_point
 from w2c_dialogue.prompts import large_texts
 from w2c_dialogue.prompts.base import CorrectionScene, Move, PromptSet, Question, SceneObject
-from w2c_dialogue.prompts.embedded import MAX_ENUM, EmbeddedPrompts, describe_boxes, describe_moves
+from w2c_dialogue.prompts.embedded import EmbeddedPrompts, describe_boxes, describe_moves
 from w2c_dialogue.prompts.large import LargePrompts
 from w2c_dialogue.prompts.sets import PROMPT_SETS, PromptSetName
+from w2c_dialogue.prompts.spans import MAX_ENUM
 from w2c_dialogue.utterance import Mention, Span, Utterance, parse
 from w2c_llm.schema import check_schema
 

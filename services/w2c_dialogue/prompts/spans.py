@@ -1,0 +1,85 @@
+"""Which words of an utterance may name a thing, as the schema of an answer.
+
+A small model that has not met a phrasing names words around a thing with it ("and the mug"), or
+words that name nothing ("a bit further"), and then the thing is looked for in vain. Words of closed
+classes rule most of that out: no name begins with "and" or ends with "of", and directions, amounts
+and parts alone name nothing. What may be a name is left to the model.
+"""
+
+from w2c_dialogue.utterance import LETTERS, Span, Utterance
+
+MAX_SPAN_WORDS = 12
+MAX_ENUM = 256
+"""Longer lists are refused by the language service."""
+
+_JOINING = frozenset(
+    {
+        "and", "as", "be", "but", "by", "for", "i", "if", "into", "my", "nor", "of", "onto", "or",
+        "our", "please", "so", "than", "the", "then", "to", "was", "we", "your",
+    }
+)  # fmt: skip
+_ASIDES = frozenset(
+    {
+        "aye", "believe", "dear", "er", "hm", "no", "ok", "okay", "thanks", "think", "uh", "um",
+        "yes",
+    }
+)  # fmt: skip
+NEVER_LAST = (_JOINING | _ASIDES | {"an", "further", "here", "lean", "more", "put"}) - {"to"}
+"""No name ends with them. "The thing that we cook with" ends with a preposition"""
+NEVER_FIRST = (
+    _JOINING
+    | _ASIDES
+    | {
+        "a", "an", "are", "at", "down", "from", "further", "go", "here", "in", "is", "it", "it's",
+        "its", "lean", "me", "more", "on", "put", "there", "up", "us", "with", "you",
+    }
+) - {"my", "our"}  # fmt: skip
+"""No name begins with them; the model is trained to leave articles out"""
+NO_NAMES = (
+    NEVER_FIRST
+    | NEVER_LAST
+    | {
+        "again", "back", "bit", "bottom", "center", "centimeters", "centimetres", "centre",
+        "closer", "cm", "corner", "direction", "double", "downward", "downwards", "edge",
+        "far", "farther", "finger", "fingers", "front", "half", "hand", "hands", "higher", "inch",
+        "inches", "left", "leftward", "leftwards", "little", "lot", "lower", "middle", "much",
+        "near", "nearer", "other", "right", "rightward", "rightwards", "same", "side", "sides",
+        "slightly", "tad", "that", "this", "top", "touch", "twice", "upward", "upwards", "way",
+        "width",
+    }
+)  # fmt: skip
+"""No name is made of these alone: directions, amounts, parts of a thing, and all of the above"""
+
+
+def spans_schema(utterance: Utterance) -> dict[str, object]:
+    """Return the schema of a list of spans; of a long utterance, of their ends only."""
+    spans = naming_spans(utterance)
+    if not spans:
+        items: dict[str, object] = {"type": "string", "enum": ["0-0"]}
+        return {"type": "array", "items": items, "minItems": 0, "maxItems": 0}
+    items = {"type": "string", "enum": [str(span) for span in spans]}
+    if len(spans) > MAX_ENUM:
+        firsts, lasts = (_any_of({span[end] for span in spans}) for end in (0, 1))
+        items = {"type": "string", "pattern": f"^({firsts})-({lasts})$"}
+    return {"type": "array", "items": items, "minItems": 0, "maxItems": len(LETTERS)}
+
+
+def naming_spans(utterance: Utterance) -> list[Span]:
+    """Return the spans that may name a thing, in order."""
+    words = [word.rstrip(",") for word in utterance.folded]
+    return [
+        Span(first + 1, last + 1)
+        for first in range(len(words))
+        for last in range(first, min(first + MAX_SPAN_WORDS, len(words)))
+        if words[first] not in NEVER_FIRST
+        and words[last] not in NEVER_LAST
+        and not NO_NAMES.issuperset(words[first : last + 1])
+    ]
+
+
+def _any_of(numbers: set[int]) -> str:
+    """Return a short regular expression of whole numbers below 100."""
+    groups: dict[int, str] = {}
+    for number in sorted(numbers):
+        groups[number // 10] = groups.get(number // 10, "") + str(number % 10)
+    return "|".join(f"{tens or ''}[{ones}]" for tens, ones in groups.items())

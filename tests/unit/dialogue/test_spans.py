@@ -1,0 +1,91 @@
+"""Which words of an utterance may be the name of a thing."""
+
+import json
+
+import llguidance
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from w2c_dialogue.prompts.embedded import EmbeddedPrompts
+from w2c_dialogue.prompts.spans import MAX_ENUM, NO_NAMES, naming_spans, spans_schema
+from w2c_dialogue.utterance import parse
+from w2c_llm.schema import check_schema
+from w2c_llm.values import violation
+
+
+def names(text: str) -> set[str]:
+    utterance = parse(text)
+    return {" ".join(utterance.folded[a - 1 : b]).rstrip(",") for a, b in naming_spans(utterance)}
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("lean between the book and the red mug", "red mug"),
+        ("closer to the thing with the wooden handle", "thing with the wooden handle"),
+        ("put it on the left one", "left one"),
+        ("next to my charger", "my charger"),
+        ("onto the bowl that we cook with", "bowl that we cook with"),
+        ("behind the top shelf, please", "top shelf"),
+        ("to the mug on the right", "mug on the right"),
+        ("a bit nearer to the sponge", "sponge"),
+    ],
+)
+def test_what_people_call_a_thing_may_be_a_name(text: str, name: str) -> None:
+    assert name in names(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("lean between book and turquoise trainer", "and turquoise trainer"),
+        ("lean between book and turquoise trainer", "book and"),
+        ("on the pink bowl, i think", "pink bowl, i think"),
+        ("the left edge of the bowl", "of the bowl"),
+        ("on the pink sneaker put your hand", "pink sneaker put"),
+    ],
+)
+def test_words_around_a_thing_are_not_part_of_its_name(text: str, name: str) -> None:
+    assert name not in names(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a bit to the left",
+        "further to the right, dear",
+        "twice as much in the same direction",
+        "back down a touch",
+    ],
+)
+def test_directions_and_amounts_name_nothing(text: str) -> None:
+    assert names(text) == set()
+
+
+def test_where_nothing_can_be_named_the_only_answer_is_none() -> None:
+    schema = check_schema(spans_schema(parse("a bit to the left")))
+    assert violation([], schema) is None
+    assert violation(["0-0"], schema) is not None
+    compiled = llguidance.LLMatcher.grammar_from_json_schema(json.dumps(schema))
+    assert llguidance.LLMatcher.validate_grammar(compiled) == ""
+
+
+WORDS = st.sampled_from(["book", "red", "mug", "and", "the", "left", "of", "bit", "one", "it"])
+
+
+@settings(max_examples=20)
+@given(st.lists(WORDS, min_size=1, max_size=55))
+def test_the_schema_allows_what_may_be_a_name_and_stays_small(words: list[str]) -> None:
+    utterance = parse(" ".join(words))
+    spans = naming_spans(utterance)
+    question = EmbeddedPrompts().objects(utterance)
+    assert question.schema is not None
+    schema = check_schema(question.schema)["properties"]["objects"]
+    assert len(schema["items"].get("enum", [])) <= MAX_ENUM
+    for span in spans:
+        assert violation([str(span)], schema) is None
+        assert not NO_NAMES.issuperset(words[span[0] - 1 : span[1]])
+    for number, word in enumerate(words, 1):
+        if word == "and":
+            assert violation([f"{number}-{number}"], schema) is not None
