@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 
-from w2c_grounding.known import KnownModel
+from w2c_grounding.known import KNOWN, KnownModel
 
 _WEIGHTS = (
     "model.safetensors",
@@ -28,6 +28,20 @@ def describe_models(models: Iterable[KnownModel], is_here: Callable[[KnownModel]
         "Nothing is fetched by itself. To fetch and try one:",
         '    w2c ground "the cup" --image FILE --model NAME --allow-download',
         'A licence "not checked" is from memory: read the page of the model first.',
+    ]
+    return "\n".join(lines)
+
+
+def models_table() -> str:
+    """Return the public models as a table in Markdown."""
+    lines = [
+        "| `--model` | hub id | family | answers with | licence (where read) | MB |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    lines += [
+        f"| `{model.name}` | {model.model} | {model.family} | {model.gives} | {model.licence} "
+        f"({model.licence_source}) | {model.megabytes or '?'} |"
+        for model in KNOWN.values()
     ]
     return "\n".join(lines)
 

@@ -18,6 +18,7 @@ from w2c_evaluation.perception.report import format_table as perception_table
 from w2c_evaluation.results import results_table
 from w2c_evaluation.understanding.commands import read_questions
 from w2c_evaluation.understanding.judging import HeldOut
+from w2c_grounding.model_list import models_table
 from w2c_sim_robot.scenes.tables import kinds_table
 
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
@@ -67,6 +68,7 @@ TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),
     "kinds": (SCENES, kinds_table),
+    "vision_models": (ROOT / "docs" / "reference" / "vision-models.md", models_table),
     "perception": (
         ROOT / "docs" / "how-to" / "perception.md",
         lambda: perception_table(json.loads(PERCEPTION.read_text())),
