@@ -4,8 +4,12 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from w2c_grounding.pointer.places import Units
-from w2c_grounding.pointer.reading import Format
+Units = Literal["auto", "unit", "hundred", "thousand", "pixels"]
+"""What the far edges of the picture are called: 1, 100, 1000, or their number of pixels in the
+picture as the model got it. auto: 1 where no number of the answer is larger, else 1000."""
+
+Format = Literal["auto", "molmo", "locations", "tagged", "json", "tuples"]
+"""See `formats`."""
 
 
 class PointerOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

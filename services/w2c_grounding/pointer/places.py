@@ -3,14 +3,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 from w2c_grounding.adapters import heatmap_from_boxes, heatmap_from_points
 from w2c_grounding.family import Evidence, ScoredBox
-
-Units = Literal["auto", "unit", "hundred", "thousand", "pixels"]
-"""What the far edges of the picture are called: 1, 100, 1000, or their number of pixels in the
-picture as the model got it. auto: 1 where no number of the answer is larger, else 1000."""
+from w2c_grounding.pointer.options import Units
 
 SCALES: dict[Units, float] = {"unit": 1.0, "hundred": 100.0, "thousand": 1000.0}
 

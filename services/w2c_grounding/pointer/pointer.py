@@ -74,6 +74,10 @@ class Pointer:
         with ThreadPoolExecutor(workers, thread_name_prefix="pointer") as pool:
             return list(pool.map(lambda phrase: self._ask(context, phrase), phrases))
 
+    def warm_up(self) -> None:
+        """Let a model in this process answer once; ask nothing of one elsewhere."""
+        self._talker.warm_up()
+
     def close(self) -> None:
         """Let go of the model. Idempotent."""
         self._talker.close()

@@ -6,14 +6,12 @@ The text is input from a stranger: bounded in length and number, and refused whe
 import json
 import re
 from dataclasses import dataclass
-from typing import Literal
 
 from w2c.chat_server import extract_json
 from w2c.errors import ModelError
 from w2c_grounding.pointer.formats import PARSERS
+from w2c_grounding.pointer.options import Format
 from w2c_grounding.pointer.places import Place
-
-Format = Literal["auto", "molmo", "locations", "tagged", "json", "tuples"]
 
 MAX_TEXT = 20_000
 """Characters of an answer; forty places take a thousand"""

@@ -124,6 +124,9 @@ class ServerTalker:
             raise ModelError(f"{self._server.url} sent a chat completion without choices")
         return reply.choices[0].message.content or ""
 
+    def warm_up(self) -> None:
+        """Do nothing: a question would cost money, and the server may come later."""
+
     def close(self) -> None:
         """Close the connections. Idempotent."""
         self._server.close()

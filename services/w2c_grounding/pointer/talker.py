@@ -44,5 +44,8 @@ class Talker(Protocol):
             ModelError: there was no answer.
         """
 
+    def warm_up(self) -> None:
+        """Do what makes the first answer slow, unless it costs money."""
+
     def close(self) -> None:
         """Let go of the model. Idempotent."""

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from w2c_grounding.evidence import find
-from w2c_grounding.pointer.places import Frame, Place, Units, box_within, evidence_of, point_within
+from w2c_grounding.pointer.options import Units
+from w2c_grounding.pointer.places import Frame, Place, box_within, evidence_of, point_within
 
 FRAME = Frame(320, 180, 160, 90)
 """The model got half the size"""

@@ -1,0 +1,1 @@
+"""What finding phrases in pictures costs, model by model."""

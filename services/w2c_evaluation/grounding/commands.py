@@ -1,0 +1,84 @@
+"""`w2c bench grounding`."""
+
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+
+from w2c.config import parse
+from w2c.extras import needs_extra
+from w2c.library import library
+from w2c_evaluation.grounding.report import EMBEDDED, format_table, make_rows, missed
+from w2c_evaluation.results import make_results, write_results
+
+
+class GroundingBenchConfig(msgspec.Struct, frozen=True, kw_only=True):
+    """Time and memory of vision models: one phrase, five phrases on a picture, five pictures.
+
+    Each model in a process of its own, one after the other.
+    """
+
+    models: tuple[str, ...] = (EMBEDDED,)
+    """`embedded`, names of `w2c ground models`, checkpoint directories."""
+    family: str = ""
+    """Of all of them; empty = what each checkpoint says of itself."""
+    devices: tuple[str, ...] = ("cpu", "cuda")
+    """What this machine does not have is left out."""
+    dtype: Literal["float32", "bfloat16", "float16"] = "float32"
+    """Of the weights in memory."""
+    threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
+    """CPU threads."""
+    rounds: Annotated[int, msgspec.Meta(ge=1, le=1000)] = 20
+    """Of all questions; medians count."""
+    seed: Annotated[int, msgspec.Meta(ge=0)] = 0
+    """Of pictures and phrases."""
+    json: str = ""
+    """Write the results to this file."""
+
+
+def bench(arguments: list[str] | None = None) -> int:
+    """Measure and print the table. Exit status 1 when the embedded model misses a target."""
+    config = parse(GroundingBenchConfig, arguments or [], program="w2c bench grounding")
+    with needs_extra("grounding"):
+        library("grounding_costs")
+    rows: list[dict[str, Any]] = []
+    for model in config.models:
+        for device in config.devices:
+            print(f"{model} on {device} ...", flush=True)
+            costs = _measure_alone(_question(config, model, device))
+            if costs is not None:
+                name = EMBEDDED if model == EMBEDDED else costs.name
+                rows += make_rows(name if device == "cpu" else f"{name}@{device}", costs)
+    results = make_results("grounding", config.seed, rows)
+    if config.json:
+        write_results(results, Path(config.json))
+    print(format_table(results))
+    complaints = missed(rows)
+    for complaint in complaints:
+        print(f"target missed: {complaint}")
+    return 1 if complaints else 0
+
+
+def _question(config: GroundingBenchConfig, model: str, device: str) -> dict[str, Any]:
+    return {
+        "model": model,
+        "family": config.family,
+        "device": device,
+        "dtype": config.dtype,
+        "threads": config.threads,
+        "rounds": config.rounds,
+        "seed": config.seed,
+    }
+
+
+def _measure_alone(question: dict[str, Any]) -> Any:
+    """Return the costs of a model, measured in a new process: its peak of memory is its own."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        return pool.submit(measure, question).result()
+
+
+def measure(question: dict[str, Any]) -> Any:
+    """Measure in this process; None where the device is not there. Raises ModelError."""
+    return library("grounding_costs")(**question)
