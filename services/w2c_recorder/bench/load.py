@@ -17,6 +17,8 @@ from w2c_recorder.writer_thread import WriterThread
 SENT_SUFFIX = ".sent"
 """Of the file that tells how many bytes were sent so far, also after this process was killed"""
 
+DRAIN_PATIENCE_S = 60.0
+
 
 class TimedFile(McapFile):
     """Notes how long the writer's thread was held up."""
@@ -40,8 +42,8 @@ def run(path: Path, bytes_per_s: float, seconds: float) -> dict[str, float]:
     """Record traffic from the recorder's queue on; return what that took.
 
     Returns:
-        `sent_bytes`, `seconds`, `cpu_s` of the writer's thread, `longest_s` that one write took,
-        `lost` messages, `file_bytes`.
+        `sent_bytes`, `sending_s`, `backlog_s` until the last of them was written, `cpu_s` of the
+        writer's thread, `longest_s` that one write took, `lost` messages, `file_bytes`.
     """
     dropped: list[int] = []
     mailbox: Mailbox[RawReceived] = Mailbox(
@@ -51,25 +53,36 @@ def run(path: Path, bytes_per_s: float, seconds: float) -> dict[str, float]:
     (thread,) = [one for one in threading.enumerate() if one.name == "recorder-writer"]
     clock = time.pthread_getcpuclockid(thread.ident or 0)
     writer.start(path)
-    sent, begin, cpu = 0, time.monotonic(), time.clock_gettime(clock)
+    sent, messages, begin, cpu = 0, 0, time.monotonic(), time.clock_gettime(clock)
     tally = os.open(path.with_suffix(SENT_SUFFIX), os.O_WRONLY | os.O_CREAT, 0o644)
     for raw in Traffic(bytes_per_s).messages(seconds):
         mailbox.put(raw)
         sent += len(raw.payload)
+        messages += 1
         os.pwrite(tally, sent.to_bytes(8, "big"), 0)
-    progress = writer.stop()
+    sending_s = time.monotonic() - begin
+    _drain(writer, messages - len(dropped))
+    backlog_s = time.monotonic() - begin - sending_s
     taken = time.clock_gettime(clock) - cpu
-    elapsed = time.monotonic() - begin
+    progress = writer.stop()
     writer.shut_down()
     os.close(tally)
     return {
         "sent_bytes": sent,
-        "seconds": elapsed,
+        "sending_s": sending_s,
+        "backlog_s": backlog_s,
         "cpu_s": taken,
         "longest_s": TimedFile.longest_ns * 1e-9,
-        "lost": len(dropped) + sum(progress.lost.values()),
+        "lost": messages - progress.messages,
         "file_bytes": path.stat().st_size,
     }
+
+
+def _drain(writer: WriterThread, messages: int) -> None:
+    """Wait until so many messages are written."""
+    deadline = time.monotonic() + DRAIN_PATIENCE_S
+    while writer.progress.messages < messages and time.monotonic() < deadline:
+        time.sleep(0.05)
 
 
 def main() -> int:

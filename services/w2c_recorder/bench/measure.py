@@ -65,18 +65,20 @@ def _recorded(case: str, path: Path, bytes_per_s: float, seconds: float) -> Iter
     if answer.returncode != 0:
         raise ProcessError(f"the recorder under load ended: {answer.stderr.strip()[-500:]}")
     found = json.loads(answer.stdout)
-    yield Figure(case, "recorded", [found["sent_bytes"] / found["seconds"] * 1e-6], "MB/s")
-    yield Figure(case, "writer_cpu", [100.0 * found["cpu_s"] / found["seconds"]], "% of a core")
+    elapsed = found["sending_s"] + found["backlog_s"]
+    yield Figure(case, "recorded", [found["sent_bytes"] / elapsed * 1e-6], "MB/s")
+    yield Figure(case, "backlog", [found["backlog_s"]], "s")
+    yield Figure(case, "writer_cpu", [100.0 * found["cpu_s"] / found["sending_s"]], "% of a core")
     yield Figure(case, "longest_write", [found["longest_s"] * 1e3], "ms")
     yield Figure(case, "lost", [found["lost"]], "messages")
     yield Figure(case, "file_size", [found["file_bytes"] / found["sent_bytes"]], "of the messages")
 
 
-def _seek_ms(path: Path, rng: np.random.Generator) -> float:
+def _seek_ms(path: Path, rng: np.random.Generator, span_s: float = 1.0) -> float:
     """Return the time from nothing known to the first message of a random instant [ms]."""
     recording = Recording(path)
     recording.read_metadata()
-    span_ns = 1_000_000_000
+    span_ns = round(span_s * 1e9)
     at_ns = recording.start_ns + int(rng.integers(span_ns))
     begin = time.monotonic()
     next(Recording(path).messages_between(at_ns, at_ns + span_ns))

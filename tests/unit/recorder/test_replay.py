@@ -8,13 +8,18 @@ import msgspec
 import numpy as np
 import pytest
 
+from support.ports import free_endpoint
 from support.recordings import MARK_KEY, raw_mark, raw_message, write_recording
 from support.sessions import Session, conversation
+from support.waiting import wait_until
 from w2c import messages as m
 from w2c import topics
 from w2c.bus import InProcessBus, InProcessHub, RawReceived, decode_envelope
-from w2c.clock import StepClock
+from w2c.bus.zenoh_bus import ZenohBus, connect
+from w2c.clock import RealClock, StepClock
+from w2c.config import ServiceConfig
 from w2c.errors import ConfigError, ConnectionFailedError, RecordingError, RefusedError
+from w2c.router import RouterConfig, open_router
 from w2c_recorder.liveliness import Liveliness, key_of
 from w2c_recorder.reading import Recording
 from w2c_recorder.replay.commands import replay
@@ -416,3 +421,32 @@ def test_where_nothing_runs_the_router_can_be_named(
 
     with pytest.raises(ConnectionFailedError, match="--router ENDPOINT"):
         replay([str(marks)])
+
+
+def test_over_a_router_all_arrive_in_order_and_a_live_robot_is_seen(tmp_path: Path) -> None:
+    path = tmp_path / "session.mcap"
+    write_recording(path, [raw_mark(str(n), n, n * 1_000_000) for n in range(200)])
+    endpoint = free_endpoint()
+    config = ServiceConfig(robot="replay", router=endpoint, connect_timeout=5.0)
+
+    def connected(service: str) -> ZenohBus:
+        return connect(config, service, [endpoint])
+
+    with (
+        open_router(RouterConfig(listen=endpoint)),
+        connected("replay") as bus,
+        connected("operator") as operator,
+    ):
+        marks = operator.queue(topics.MARK)
+        options, stop = ReplayOptions(), threading.Event()
+        wait_until(lambda: ("operator", "0") in bus.alive())
+        report = play(Recording(path), options, bus, RealClock(), stop, settle_s=0.2)
+        heard = [marks.receive(5.0) for _ in range(200)]
+        assert [one.message.text for one in heard if one is not None] == [
+            str(n) for n in range(200)
+        ]
+        assert report.values["messages"] == 200
+
+        with connected("robot"), pytest.raises(RefusedError, match="a robot lives as 'replay'"):
+            play(Recording(path), options, bus, RealClock(), stop, settle_s=5.0)
+        assert marks.receive(0.0) is None
