@@ -116,9 +116,9 @@ class DialogueNode:
     def configure(self) -> None:
         """Subscribe and serve."""
         self._status = self._bus.latest(topics.CONTROLLER_STATUS)
-        self._pump(self._bus.queue(topics.CAMERA_FRAME, FRAME_QUEUE), self._on_frame, "frames")
-        self._pump(self._bus.queue(topics.CAMERA_VIEW), self._on_view, "views")
-        self._pump(self._bus.queue(topics.GOAL_EVENT), self._on_goal_event, "goals")
+        self._pump(self._bus.queue(topics.CAMERA_FRAME, FRAME_QUEUE), self.on_frame, "frames")
+        self._pump(self._bus.queue(topics.CAMERA_VIEW), self.on_view, "views")
+        self._pump(self._bus.queue(topics.GOAL_EVENT), self.on_goal_event, "goals")
         self._advisor.start()
         self._bus.serve(topics.SAY, self.say, workers=WORKERS)
         self._bus.serve(topics.CONFIRM, self.confirm, workers=WORKERS)
@@ -174,11 +174,16 @@ class DialogueNode:
             reason = status.message.message or "the controller does not follow it any more"
         else:
             return
-        turn = self._dialogue.lose_goal(goal.goal_id, reason)
+        self.give_up(goal.goal_id, reason)
+
+    def give_up(self, goal_id: str, reason: str) -> None:
+        """Give up a goal for a reason, unless it is over already."""
+        turn = self._dialogue.lose_goal(goal_id, reason)
         if turn is not None:
             self._publish(turn)
 
-    def _on_frame(self, received: Received[CameraFrame]) -> None:
+    def on_frame(self, received: Received[CameraFrame]) -> None:
+        """Keep a picture."""
         message = received.message
         source = received.as_input()
         self._frames.add_frame(
@@ -192,10 +197,12 @@ class DialogueNode:
             )
         )
 
-    def _on_view(self, received: Received[CameraView]) -> None:
+    def on_view(self, received: Received[CameraView]) -> None:
+        """Keep where the camera was."""
         self._frames.add_view(received.message)
 
-    def _on_goal_event(self, received: Received[GoalEvent]) -> None:
+    def on_goal_event(self, received: Received[GoalEvent]) -> None:
+        """Follow the robot."""
         turn = self._dialogue.follow(received.message)
         if turn is not None:
             self._publish(turn, received)

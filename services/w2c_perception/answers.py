@@ -33,7 +33,7 @@ class Answers:
         self._config = config
         self._memory = memory
 
-    def lift(self, request: LiftRequest, _context: CallContext) -> LiftReply:
+    def lift(self, request: LiftRequest, _context: CallContext | None = None) -> LiftReply:
         """Answer what is behind a pixel."""
         view, depth = self._memory.look(request.frame_stamp_ns, request.robot_boot_id)
         check_pixel(depth, request.u, request.v)
@@ -67,7 +67,9 @@ class Answers:
             verdicts=verdicts(surface, error_bound, request.footprint),
         )
 
-    def heights(self, request: HeightFieldRequest, _context: CallContext) -> HeightField:
+    def heights(
+        self, request: HeightFieldRequest, _context: CallContext | None = None
+    ) -> HeightField:
         """Answer how high things stand in a picture."""
         view, depth = self._memory.look(request.frame_stamp_ns, request.robot_boot_id)
         area = Area()
@@ -80,7 +82,9 @@ class Answers:
             heights=heights,
         )
 
-    def allowed(self, request: AllowedAreaRequest, _context: CallContext) -> AllowedArea:
+    def allowed(
+        self, request: AllowedAreaRequest, _context: CallContext | None = None
+    ) -> AllowedArea:
         """Answer where in a picture a surface can carry a hand."""
         view, depth = self._memory.look(request.frame_stamp_ns, request.robot_boot_id)
         pose = view.depth_pose
@@ -96,7 +100,7 @@ class Answers:
             reasons=list(REASONS),
         )
 
-    def cloud(self, request: PointCloudRequest, _context: CallContext) -> PointCloud:
+    def cloud(self, request: PointCloudRequest, _context: CallContext | None = None) -> PointCloud:
         """Answer what stands in a box."""
         view, depth = self._memory.look(request.frame_stamp_ns, request.robot_boot_id)
         try:

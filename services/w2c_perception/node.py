@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from collections import deque
 
 from w2c import topics
 from w2c.bus import Bus, Received
@@ -19,6 +20,8 @@ FRAME_QUEUE = 8
 """Pictures that may wait: each must be known before an operator can point into it"""
 STATUS_AGE_NS = 500_000_000
 """An older status may be of a controller that is no more [ns of robot time]"""
+MOST_TICKS = 1000
+"""Told of with a view: ten seconds without pictures"""
 _DESCRIBE_TIMEOUT_S = 2.0
 _WAIT_FOR_STATE_S = 1.0
 
@@ -35,6 +38,8 @@ class PerceptionNode:
         """Used by the loop alone"""
         self._controller_boot_id = ""
         """Of the controller whose world is known to be this one"""
+        self._taken: deque[int] = deque(maxlen=MOST_TICKS)
+        """Ticks of the states since the last view"""
 
     def configure(self) -> None:
         """Subscribe, and answer who asks."""
@@ -101,6 +106,7 @@ class PerceptionNode:
         if received.envelope.boot_id != track.boot_id:
             log.info("the robot started anew")
             self._track = None
+            self._taken.clear()
             self._memory.forget("")
             return False
         state: RobotState = received.message
@@ -111,6 +117,7 @@ class PerceptionNode:
             self._bus.count("state without joint angles")
             log.debug("%s", error)
             return True
+        self._taken.append(state.tick)
         self._follow_controller(track, state.stamp_ns)
         if track.world != world:
             self._change_world(world, track)
@@ -181,7 +188,9 @@ class PerceptionNode:
             width=frame.width,
             height=frame.height,
             robot_boot_id=track.boot_id,
+            state_ticks=list(self._taken),
         )
+        self._taken.clear()
         self._bus.publish(topics.CAMERA_VIEW, message, [received.as_input()])
 
 

@@ -43,6 +43,8 @@ class Asked:
     method: str
     outcome: str
     """ok, or the code of the error"""
+    error: str
+    """Its text"""
     request: Message | None
     """None where it does not decode"""
     reply: Message | None

@@ -2,17 +2,15 @@
 
 import json
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
 
+from support.rewriting import rewritten
 from w2c import topics
-from w2c.bus import RawReceived, decode_envelope, encode_envelope
 from w2c.errors import ConfigError, RecordingError
 from w2c.messages import CallTrace, JointCommand, Message
-from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.reading import Recorded, Recording
 from w2c_recorder.report import Report
 from w2c_recorder.through.commands import compare, run
@@ -28,27 +26,9 @@ LOST = (30, 31, 32)
 ALTERED = {20: 1e-7, 25: 1e-4}
 """Tick -> by how much [rad]"""
 
-Change = Callable[[Recorded], Message | None]
-"""Returns the message to be written in the place of a recorded one, None for none"""
-
 
 def through(path: Path, tolerance: float | None = ELSEWHERE) -> Report:
     return compare(path, ThroughOptions(service="controller", tolerance=tolerance))
-
-
-def rewritten(path: Path, change: Change) -> Path:
-    """Write the recording with changes."""
-    file = McapFile(path, {})
-    for recorded in Recording(RECORDING).messages():
-        assert recorded.message is not None
-        message = change(recorded)
-        payload = recorded.payload
-        if message is not None and message is not recorded.message:
-            payload = encode_envelope(replace(decode_envelope(payload), data=message))
-        if message is not None:
-            file.write(RawReceived(recorded.key, payload, recorded.log_time_ns), 0)
-    file.close()
-    return path
 
 
 def tick_of(recorded: Recorded) -> int:
@@ -88,7 +68,7 @@ def test_after_lost_states_it_goes_on_from_the_next_snapshot(
         lost = recorded.topic is topics.ROBOT_STATE and tick_of(recorded) in LOST
         return None if lost else recorded.message
 
-    report = through(rewritten(tmp_path / "lost.mcap", lose))
+    report = through(rewritten(RECORDING, tmp_path / "lost.mcap", lose))
     count = report.values["outputs"][COMMAND]
     skipped = min(tick for tick in snapshots if tick > LOST[-1]) - LOST[0] + 1
     assert report.status == 0
@@ -103,7 +83,7 @@ def test_lost_commands_are_made_and_not_compared(tmp_path: Path, kinds: Counter[
         lost = recorded.topic is topics.JOINT_COMMAND and tick_of(recorded) in LOST
         return None if lost else recorded.message
 
-    count = through(rewritten(tmp_path / "lost.mcap", lose)).values["outputs"][COMMAND]
+    count = through(rewritten(RECORDING, tmp_path / "lost.mcap", lose)).values["outputs"][COMMAND]
     assert count["compared"] == kinds["JointCommand"] - len(LOST)
     assert not count["skipped"]
     assert not count["differ"]
@@ -119,7 +99,7 @@ def test_the_first_difference_is_shown_with_what_it_was_made_of(
         position[5] += ALTERED[tick_of(recorded)]
         return replace(recorded.message, position=position)
 
-    path = rewritten(tmp_path / "altered.mcap", alter)
+    path = rewritten(RECORDING, tmp_path / "altered.mcap", alter)
     result = tmp_path / "result.json"
     options = ThroughOptions(service="controller", tolerance=ELSEWHERE, json=result)
     assert run(path, options) == 1
@@ -142,7 +122,9 @@ def test_a_goal_that_nobody_asked_for_is_not_guessed(tmp_path: Path) -> None:
         trace = recorded.message
         return None if isinstance(trace, CallTrace) and trace.method == "place" else trace
 
-    count = through(rewritten(tmp_path / "asked.mcap", forget)).values["outputs"][COMMAND]
+    count = through(rewritten(RECORDING, tmp_path / "asked.mcap", forget)).values["outputs"][
+        COMMAND
+    ]
     assert list(count["skipped"]) == [
         "the call that asked for goal 'reach' is not in the recording"
     ]
@@ -157,7 +139,7 @@ def test_a_recording_that_begins_later_is_compared_from_its_first_snapshot_on(
     def late(recorded: Recorded) -> Message | None:
         return None if 0 <= tick_of(recorded) < begin else recorded.message
 
-    count = through(rewritten(tmp_path / "late.mcap", late)).values["outputs"][COMMAND]
+    count = through(rewritten(RECORDING, tmp_path / "late.mcap", late)).values["outputs"][COMMAND]
     first = min(tick for tick in snapshots if tick >= begin)
     assert count["compared"] == kinds["JointCommand"] - first - 1
     assert not count["differ"]
@@ -168,10 +150,12 @@ def test_what_cannot_be_run_says_what_is_missing(tmp_path: Path) -> None:
         return None if isinstance(recorded.message, CallTrace) else recorded.message
 
     with pytest.raises(RecordingError, match="no answered call of robot/describe"):
-        through(rewritten(tmp_path / "undescribed.mcap", forget))
+        through(rewritten(RECORDING, tmp_path / "undescribed.mcap", forget))
     with pytest.raises(ConfigError, match=r"choose one of: .*controller"):
         compare(RECORDING, ThroughOptions(service="console"))
-    nothing = rewritten(tmp_path / "nothing.mcap", lambda one: None if one.topic else one.message)
+    nothing = rewritten(
+        RECORDING, tmp_path / "nothing.mcap", lambda one: None if one.topic else one.message
+    )
     report = through(nothing)
     assert report.status == 1
     assert "NOTHING could be compared" in report.lines

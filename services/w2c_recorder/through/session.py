@@ -57,6 +57,7 @@ def _asked(recorded: Recorded, trace: CallTrace, seconds: float) -> Asked:
         service=trace.service,
         method=trace.method,
         outcome=trace.outcome,
+        error=trace.error,
         request=request,
         reply=reply,
         caller="" if recorded.envelope is None else recorded.envelope.sender,

@@ -20,6 +20,9 @@ class CameraView(Message, frozen=True, kw_only=True):
     height: int
     robot_boot_id: RobotBoot = ""
     """Of the robot's process then: stamps of another one mean other instants"""
+    state_ticks: Annotated[list[int], msgspec.Meta(max_length=10_000)] = []
+    """Ticks of the robot's states that were taken since the view before, in order: the joint angles
+    of the camera's pose are among them"""
 
     def __post_init__(self) -> None:
         """Refuse arrays of the wrong shape."""

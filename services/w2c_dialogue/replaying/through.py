@@ -1,0 +1,197 @@
+"""`w2c replay FILE --through dialogue`: the recorded turns, made again from the recorded answers.
+
+The other services say what they said. Words, clicks, confirmations and news of goals come in the
+order in which the recorded process took them: turns one after the other, and what happens to a goal
+while a turn is taken after it. What the process found by its own clock (a goal or a robot that fell
+silent) is taken as it was told. Advice, which is made beside the turns, is not compared.
+"""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import msgspec
+
+from w2c import topics
+from w2c.bus import Input, Received
+from w2c.clock import StepClock
+from w2c.difference import INFINITE, Difference, differences
+from w2c.messages import CompleteRequest, ConfirmRequest, PointRequest, SayRequest, Turn
+from w2c.through import Asked, Compared, Heard, Session, Skipped
+from w2c_dialogue.config import DialogueConfig
+from w2c_dialogue.node import DialogueNode
+from w2c_dialogue.prompts.sets import PROMPT_SETS
+from w2c_dialogue.replaying.recorded_bus import RecordedBus, context_of
+
+TOLERANCE = 1e-9
+"""Of every number, in its unit; on the machine that recorded it is equal bit by bit"""
+TURN = "event/dialogue/turn"
+TIMES = ("stamp_ns", "seconds", "steps")
+"""What a turn says of the machine"""
+ASKED = ("llm", "grounding", "perception", "controller", "robot")
+ROWS = (topics.CAMERA_FRAME, topics.CAMERA_VIEW, topics.GOAL_EVENT, topics.TURN)
+PICTURES = (topics.CAMERA_FRAME, topics.CAMERA_VIEW)
+REMEMBERED = 40
+"""Pictures and poses that a process which began anew may have got before it was spoken to"""
+Work = SayRequest | ConfirmRequest | PointRequest
+
+
+def through(session: Session, tolerance: float | None) -> Iterator[Compared | Skipped]:
+    """Make the recorded turns again. See `w2c.through.Through`."""
+    answers = [asked for asked in session.asked(*ASKED) if asked.caller == "dialogue"]
+    said = sorted(session.asked("dialogue"), key=lambda asked: asked.began_s)
+    told = list(session.heard(topics.TURN))
+    run = Run(answers, said, told, TOLERANCE if tolerance is None else tolerance)
+    for heard in session.heard(*ROWS):
+        yield from run.hear(heard)
+    yield from run.finish()
+
+
+class Run:
+    """Goes through a conversation, of one dialogue process after the other."""
+
+    def __init__(
+        self,
+        answers: Sequence[Asked],
+        said: Sequence[Asked],
+        told: Sequence[Heard],
+        tolerance: float,
+    ) -> None:
+        self._answers = answers
+        self._waiting = deque(asked for asked in said if isinstance(asked.request, Work))
+        self._told = deque(told)
+        self._tolerance = tolerance
+        self._bus: RecordedBus | None = None
+        self._node: DialogueNode | None = None
+        self._clock = StepClock(1)
+        self._seen: set[int] = set()
+        """Stamps of the pictures whose camera pose is known too"""
+        self._pictures: deque[Heard] = deque(maxlen=REMEMBERED)
+        self._events: deque[Heard] = deque()
+        """That came while a turn was taken"""
+        self._made: deque[tuple[Turn, Sequence[Input]]] = deque()
+
+    def hear(self, heard: Heard) -> Iterator[Compared | Skipped]:
+        """Take one message."""
+        self._clock.set(max(self._clock.now_ns(), round(heard.seconds * 1e9)))
+        if self._node is None and self._told:
+            self._become(self._told[0].envelope.boot_id, heard.envelope.robot)
+        yield from self._say_until(heard.seconds)
+        if heard.topic in PICTURES:
+            self._pictures.append(heard)
+            if self._node is not None:
+                self._look(self._node, heard)
+        elif heard.topic is topics.GOAL_EVENT:
+            self._events.append(heard)
+            self._follow()
+        elif not heard.envelope.inputs:
+            node = self._become(heard.envelope.boot_id, heard.envelope.robot)
+            self._lose(node, heard.message)
+        yield from self._compare()
+
+    def finish(self) -> Iterator[Compared | Skipped]:
+        """Do what is left, and tell of the turns that were not made."""
+        yield from self._say_until(float("inf"))
+        self._follow()
+        yield from self._compare()
+        for heard in self._told:
+            yield Skipped(TURN, heard.seconds, "nothing in the recording caused it")
+
+    def _become(self, boot_id: str, robot: str) -> DialogueNode:
+        """Go on as the process of a boot id, which may be another one."""
+        if self._node is not None and self._bus is not None and self._bus.boot_id == boot_id:
+            return self._node
+        self._bus = RecordedBus(robot, boot_id, self._answers)
+        config = _config(robot, self._told, self._answers)
+        self._node = DialogueNode(config, self._bus, self._clock)
+        for heard in self._pictures:
+            self._look(self._node, heard)
+        return self._node
+
+    def _look(self, node: DialogueNode, heard: Heard) -> None:
+        if heard.topic is topics.CAMERA_FRAME:
+            node.on_frame(_received(heard))
+        else:
+            node.on_view(_received(heard))
+            self._seen.add(heard.message.stamp_ns)
+
+    # --- turns -----------------------------------------------------------------------------------
+    def _say_until(self, seconds: float) -> Iterator[Compared | Skipped]:
+        """Take the turns that had begun at a time, and whose picture is there."""
+        while self._waiting and self._waiting[0].began_s < seconds:
+            asked = self._waiting[0]
+            stamp_ns = getattr(asked.request, "frame_stamp_ns", -1)
+            if stamp_ns >= 0 and stamp_ns not in self._seen and asked.seconds > seconds:
+                return  # the recorded process waited for it, too
+            self._waiting.popleft()
+            self._say(asked)
+            self._follow()
+            yield from self._compare()
+
+    def _say(self, asked: Asked) -> None:
+        request = asked.request
+        if asked.outcome != "ok" or self._bus is None:
+            return
+        node = self._become(asked.replier_boot_id, self._bus.robot)
+        context = context_of(asked, self._bus.robot)
+        if isinstance(request, SayRequest):
+            node.say(request, context)
+        elif isinstance(request, ConfirmRequest):
+            node.confirm(request, context)
+        elif isinstance(request, PointRequest):
+            node.point(request, context)
+
+    def _follow(self) -> None:
+        """Follow goals, unless a turn is being taken."""
+        while self._events and self._node is not None:
+            heard = self._events[0]
+            if self._waiting and self._waiting[0].began_s < heard.seconds:
+                return
+            self._events.popleft()
+            self._node.on_goal_event(_received(heard))
+
+    @staticmethod
+    def _lose(node: DialogueNode, turn: Turn) -> None:
+        """Give up what the recorded process gave up by its own clock."""
+        if turn.goal_id:
+            node.give_up(turn.goal_id, turn.target.warning if turn.target else "")
+        else:
+            node.check_robot()
+
+    # --- comparing -------------------------------------------------------------------------------
+    def _compare(self) -> Iterator[Compared]:
+        """Compare the turns that were made with those that were told, by what caused them."""
+        if self._bus is None:
+            return
+        self._made.extend(self._bus.take_turns())
+        while self._made:
+            turn, inputs = self._made.popleft()
+            told = next((one for one in self._told if tuple(one.envelope.inputs) == inputs), None)
+            if told is None:
+                seconds = self._clock.now_ns() * 1e-9
+                found = [Difference("", "nothing", turn, INFINITE)]
+            else:
+                self._told.remove(told)
+                seconds = told.seconds
+                found = list(differences(told.message, turn, TIMES))
+            what = f"'{turn.text}'" if turn.text else turn.module
+            unknown, self._bus.unknown = self._bus.unknown, []
+            made_of = [
+                *(f"answer to {one.key} number {one.sequence}" for one in inputs),
+                *(f"asked, and not in the recording: {one}" for one in unknown),
+            ]
+            yield Compared(TURN, what, seconds, found, self._tolerance, made_of if found else ())
+
+
+def _config(robot: str, told: Sequence[Heard], answers: Sequence[Asked]) -> DialogueConfig:
+    """Return the flags of the recorded process, as far as the recording tells them."""
+    config = DialogueConfig(robot=robot)
+    named = [one.message.evidence.prompts for one in told if one.message.evidence is not None]
+    if named and named[0] in PROMPT_SETS:
+        config = msgspec.structs.replace(config, prompts=named[0])
+    seeds = [one.request.seed for one in answers if isinstance(one.request, CompleteRequest)]
+    return msgspec.structs.replace(config, seed=seeds[0]) if seeds else config
+
+
+def _received(heard: Heard) -> Received[Any]:
+    return Received(heard.message, heard.key, heard.envelope, 0)

@@ -1,0 +1,1 @@
+"""Perception on recorded pictures and states: are the points where they were?"""
