@@ -21,6 +21,7 @@ from w2c.messages import (
     Target,
     Task,
 )
+from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.prompts.base import CorrectionScene, Move
 from w2c_dialogue.rest import LastMotion, Rest
@@ -47,6 +48,8 @@ class Shown:
     click"""
     lifted: LiftReply | None = None
     """What perception knows of the surface there; None without depth"""
+    pixels_per_cm: float = DEFAULT_PIXELS_PER_CM
+    """Where it was before the last correction: for corrections from a place without depth"""
 
     def scene(self, at: tuple[float, float], pixels_per_cm: float) -> CorrectionScene:
         """Return what a correction may refer to, with the target at this pixel now."""
@@ -173,6 +176,7 @@ class Conversation:
             moves=moves,
             instructions=instructions,
             lifted=lifted,
+            pixels_per_cm=scene.pixels_per_cm,
         )
         return target
 

@@ -13,14 +13,16 @@ def locate(shown: Shown, frame: Frame) -> tuple[Frame, CorrectionScene]:
     """Find the target in the picture the operator sees now.
 
     The picture may be newer than the target's: then the target is its 3D point, projected. Without
-    depth or camera pose the target stays in its own picture.
+    depth or camera pose the target stays in its own picture; without depth a centimetre stays as
+    long as it was before the last correction.
 
     Raises:
         RefusedError: the target is not in the present picture.
     """
     point, view = shown.target.point, frame.view
     if point is None or view is None or frame.stamp_ns == shown.frame.stamp_ns:
-        scale = pixels_per_cm(point, shown.frame.view)
+        known = point is not None
+        scale = pixels_per_cm(point, shown.frame.view) if known else shown.pixels_per_cm
         return shown.frame, shown.scene((shown.target.u, shown.target.v), scale)
     scale = pixels_per_cm(point, view)
     before = shown.frame.view

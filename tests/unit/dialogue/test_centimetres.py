@@ -1,9 +1,9 @@
-"""A centimetre of an instruction is as long as it looks at the thing that it is measured from."""
+"""A centimetre of words is as long as it looks in the picture, where that is known."""
 
 import numpy as np
 import pytest
 
-from support.conversing import CUP, World
+from support.conversing import CUP, FIRST, World, first_words
 from w2c.errors import RefusedError, UnavailableError, W2CError
 from w2c.messages import CameraView
 from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM
@@ -61,3 +61,23 @@ def test_without_the_cameras_pose_nobody_is_asked_for_depth_there() -> None:
     told = world()
     assert centimetre_of(told) == pytest.approx(DEFAULT_PIXELS_PER_CM)
     assert len(told.lift.asked) == 1  # of the target itself
+
+
+def test_a_correction_from_a_place_without_depth_keeps_the_length_of_a_centimetre() -> None:
+    told = World(
+        select=["prediction", "correction"],
+        correct=[{"x": "target.u+2*cm", "y": "target.v"}],
+        **first_words(),
+    )
+    add_view(told)
+    moved = []
+    before = told.say(FIRST).target
+    told.lift.error = RefusedError("no depth there")
+    for _ in range(2):
+        assert before is not None
+        after = told.say("2 cm to the right").target
+        assert after is not None
+        assert after.point is None
+        moved.append(after.u - before.u)
+        before = after
+    assert moved == [pytest.approx(2 * 0.01 * FOCAL_PX / TABLE_M)] * 2
