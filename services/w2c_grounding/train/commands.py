@@ -1,114 +1,81 @@
 """`w2c train grounding`: make the embedded model from pictures."""
 
 import sys
-import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Literal
 
 import msgspec
+import tyro
 
-from w2c.config import parse
-from w2c.errors import ConfigError
+from w2c.config import fail, parse
+from w2c.errors import W2CError
 from w2c.extras import needs_extra
-from w2c_grounding.card import ModelCard, write_card
-from w2c_grounding.model_config import ModelConfig
-from w2c_grounding.registry import load
+
+PROGRAM = "w2c train grounding"
+STOPPED = 1
 
 
 class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Train a small CLIPSeg on pictures of `w2c scenes render`.
 
-    Writes OUT/checkpoint (what `w2c grounding --model` reads), OUT/scores.json and OUT/state.pt
-    (for --resume). One picture in twenty of --data is not trained on: the threshold is calibrated
-    there.
+    Writes OUT/checkpoint (what `w2c grounding --model` reads), OUT/scores.json, OUT/pictures (the
+    pictures as the model reads them; may be removed afterwards) and, every five minutes,
+    OUT/state.pt for --resume. One picture in twenty of --data is not trained on: the threshold is
+    calibrated there. Ctrl-C or SIGTERM ends a training at its next step.
     """
 
     data: str
     """Directory of pictures to train on."""
     out: str
     """Directory for the results."""
-    judge: str = ""
-    """Directory of pictures to score on; empty = those kept from --data."""
-    minutes: Annotated[float, msgspec.Meta(gt=0)] = 40.0
-    """Processor time for training, earlier parts of a resumed one included."""
+    minutes: Annotated[float, msgspec.Meta(gt=0)] = 60.0
+    """Wall time of the whole command, earlier parts of a resumed one included."""
+    steps: Annotated[int, msgspec.Meta(ge=0)] = 0
+    """End after so many steps instead: the same result for the same seed, machine and threads."""
     seed: Annotated[int, msgspec.Meta(ge=0)] = 0
     """Of weights, order, questions and changes to pictures."""
     threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
     """CPU threads."""
+    rate: Annotated[float, msgspec.Meta(gt=0, lt=1)] | None = None
+    """Highest learning rate; default 0.002, with --from 0.0007."""
+    begin_with: Annotated[str, tyro.conf.arg(name="from")] = ""
+    """A checkpoint directory of this command to begin with: its size, its words, its weights."""
     resume: bool = False
-    """Continue from OUT/state.pt, with the pictures that are there now."""
-    name: str = "w2c-clipseg-1"
+    """Go on from OUT/state.pt."""
+    name: str = "w2c-clipseg-2"
     """Of the model, in its card and its replies."""
+    precision: Literal["auto", "float32", "bfloat16"] = "auto"
+    """Of products; auto = bfloat16 where the processor has it."""
 
 
 def train(arguments: list[str] | None = None) -> int:
-    """Run the verb. Exit status: 0 done, 1 failed, 2 usage."""
+    """Run the verb. Exit status: 0 done, 1 stopped or failed, 2 usage."""
     argv = sys.argv[1:] if arguments is None else arguments
-    config = parse(TrainConfig, argv, program="w2c train grounding")
+    config = parse(TrainConfig, argv, program=PROGRAM)
     with needs_extra("train"):
-        import torch
-
-        from w2c_grounding.train.data import load_pictures, truth_files
-        from w2c_grounding.train.model import Size, save
-    torch.set_num_threads(config.threads)
-    torch.manual_seed(config.seed)
-    out = Path(config.out)
-    out.mkdir(parents=True, exist_ok=True)
-    files = truth_files(Path(config.data))
-    kept = files[::20]
-    used = [path for path in files if path not in set(kept)]
-    if not used:
-        raise ConfigError(
-            f"{config.data} holds {len(files)} pictures; training needs more than that"
-        )
-    size = Size()
-    print(f"{len(used)} pictures to train on, {len(kept)} to calibrate on", flush=True)
-    started = time.monotonic()
-    pictures = load_pictures(used, size.image)
-    print(f"read in {time.monotonic() - started:.0f} s", flush=True)
-    trainer, processor, vocabulary = _prepare(config, pictures, size)
-    trainer.run(out / "state.pt", lambda line: print(line, flush=True))
-    judged = truth_files(Path(config.judge)) if config.judge else kept
-    card = ModelCard(name=config.name, vocabulary=vocabulary)
-    save(trainer.averaged(), processor, card, out / "checkpoint")
-    scores = _measure(config, card, kept, judged)
-    scores |= {"minutes": trainer.seconds / 60, "steps": trainer.steps, "pictures": len(used)}
-    encoded = msgspec.json.format(msgspec.json.encode(scores), indent=1)
-    (out / "scores.json").write_bytes(encoded + b"\n")
-    print(encoded.decode())
+        from w2c.clock import RealClock
+        from w2c_grounding.train.interruption import interruptible
+        from w2c_grounding.train.run import Run, Task
+    task = Task(
+        data=Path(config.data),
+        out=Path(config.out),
+        minutes=config.minutes,
+        steps=config.steps,
+        seed=config.seed,
+        threads=config.threads,
+        rate=config.rate,
+        begin_with=Path(config.begin_with) if config.begin_with else None,
+        resume=config.resume,
+        name=config.name,
+        precision=config.precision,
+    )
+    try:
+        with interruptible() as stopped:
+            scores = Run(task, RealClock(), lambda line: print(line, flush=True))(stopped)
+    except W2CError as error:
+        return fail(error, PROGRAM)
+    if scores is None:
+        print(f"stopped; go on with: {PROGRAM} --data {config.data} --out {config.out} --resume")
+        return STOPPED
+    print(msgspec.json.format(msgspec.json.encode(scores), indent=1).decode())
     return 0
-
-
-def _prepare(config: TrainConfig, pictures: Any, size: Any) -> tuple[Any, Any, list[str]]:
-    """Return the trainer, the processor and the vocabulary."""
-    import torch
-
-    from w2c_grounding.train.augment import normalise
-    from w2c_grounding.train.model import new_model, new_processor, start_patches
-    from w2c_grounding.train.phrases import tokenizer_words, vocabulary_of
-    from w2c_grounding.train.trainer import Plan, Trainer
-
-    vocabulary = vocabulary_of(pictures.truths)
-    processor = new_processor(size, tokenizer_words(vocabulary))
-    model = new_model(size, len(processor.tokenizer))
-    some = torch.from_numpy(pictures.pixels[:: max(1, len(pictures) // 64)]).permute(0, 3, 1, 2)
-    start_patches(model, normalise(some.float() / 255.0))
-    plan = Plan(minutes=config.minutes, seed=config.seed)
-    trainer = Trainer(model, processor, pictures, size, plan)
-    if config.resume:
-        trainer.resume(Path(config.out) / "state.pt")
-    return trainer, processor, vocabulary
-
-
-def _measure(
-    config: TrainConfig, card: ModelCard, kept: list[Path], judged: list[Path]
-) -> dict[str, float]:
-    """Calibrate the threshold of OUT/checkpoint on what was kept back, note it there, and score."""
-    from w2c_grounding.train.score import calibrate, run_trials, summarise
-
-    directory = Path(config.out) / "checkpoint"
-    family, _ = load(ModelConfig(model=str(directory), threads=config.threads))
-    threshold = calibrate(run_trials(family, kept, config.seed))
-    write_card(msgspec.structs.replace(card, threshold=threshold), directory)
-    scores = summarise(run_trials(family, judged, config.seed), threshold)
-    return {"threshold": threshold, "judged_pictures": float(len(judged)), **scores}

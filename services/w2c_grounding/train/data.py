@@ -1,7 +1,6 @@
 """Reads what `w2c scenes render` writes: a picture, and which object each pixel shows."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 
 import cv2
@@ -11,9 +10,21 @@ import numpy.typing as npt
 
 from w2c.errors import ConfigError
 
-MIN_VISIBLE_SHARE = 0.0004
-"""Of the picture. What shows less (92 pixels of 640 x 360) is neither asked for nor called
+MIN_VISIBLE_SHARE = 0.0012
+"""Of the picture. What shows less (1106 pixels of 1280 x 720) is neither asked for nor called
 absent."""
+ROBOT = 255
+"""In identity pictures"""
+
+
+SIZES = ("large ", "small ")
+"""How phrases of one among others of its kind begin"""
+
+
+class PartTruth(msgspec.Struct, frozen=True):
+    """A named part of an object."""
+
+    name: str
 
 
 class ObjectTruth(msgspec.Struct, frozen=True):
@@ -28,8 +39,14 @@ class ObjectTruth(msgspec.Struct, frozen=True):
     phrases: tuple[str, ...]
     """All phrases that fit it"""
     visible_pixels: int
+    material: str = ""
+    parts: tuple[PartTruth, ...] = ()
     held_out: bool = False
     """Kind and colour never occur together in pictures for training"""
+    held_out_kind: bool = False
+    """The kind never occurs in pictures for training"""
+    held_out_material: bool = False
+    """Kind and material never occur together in pictures for training"""
 
 
 class PictureTruth(msgspec.Struct, frozen=True):
@@ -50,19 +67,26 @@ class PictureTruth(msgspec.Struct, frozen=True):
         return [item for item in self.objects if item.visible_pixels >= least]
 
 
-@dataclass(frozen=True)
-class Pictures:
-    """A set of pictures in memory, squashed to squares as the model reads them."""
+def cropped(truth: PictureTruth, width: int, height: int, shown: Mapping[int, int]) -> PictureTruth:
+    """Return the truth about a part of a picture, or about a smaller copy.
 
-    truths: tuple[PictureTruth, ...]
-    pixels: npt.NDArray[np.uint8]
-    """(n, side, side, 3)"""
-    identities: npt.NDArray[np.uint8]
-    """(n, side, side)"""
-
-    def __len__(self) -> int:
-        """Return the number of pictures."""
-        return len(self.truths)
+    Args:
+        truth: Of the whole picture.
+        width: Of the part [px].
+        height: Of the part [px].
+        shown: Pixels there by id of object; what is not there is no longer in the picture.
+    """
+    kinds_outside = {item.kind for item in truth.objects if not shown.get(item.id)}
+    objects = []
+    for item in truth.objects:
+        if shown.get(item.id):
+            phrases = item.phrases
+            if item.kind in kinds_outside:
+                # Large and small are said of one among others that can be seen.
+                phrases = tuple(text for text in phrases if not text.startswith(SIZES))
+            changes = {"phrases": phrases, "visible_pixels": shown[item.id]}
+            objects.append(msgspec.structs.replace(item, **changes))
+    return msgspec.structs.replace(truth, width=width, height=height, objects=tuple(objects))
 
 
 def truth_files(directory: Path) -> list[Path]:
@@ -96,26 +120,3 @@ def read_identity(path: Path, truth: PictureTruth) -> npt.NDArray[np.uint8]:
             f"{path.parent / truth.identity} is no grey 8-bit picture; render this picture again"
         )
     return np.asarray(identity, dtype=np.uint8)
-
-
-def load_pictures(files: Sequence[Path], side: int) -> Pictures:
-    """Read pictures and squash them to `side` x `side`, as the run-time processor does.
-
-    Raises:
-        ConfigError: a file is missing or damaged.
-    """
-    from PIL import Image
-
-    truths = tuple(read_truth(path) for path in files)
-    pixels = np.empty((len(files), side, side, 3), dtype=np.uint8)
-    identities = np.empty((len(files), side, side), dtype=np.uint8)
-    for index, (path, truth) in enumerate(zip(files, truths, strict=True)):
-        try:
-            with Image.open(path.parent / truth.image) as picture:
-                small = picture.convert("RGB").resize((side, side), Image.Resampling.BILINEAR)
-        except OSError as error:
-            raise ConfigError(f"picture of {path}: {error}; render this picture again") from error
-        pixels[index] = np.asarray(small)
-        owners = read_identity(path, truth)
-        identities[index] = cv2.resize(owners, (side, side), interpolation=cv2.INTER_NEAREST)
-    return Pictures(truths, pixels, identities)

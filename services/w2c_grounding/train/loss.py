@@ -10,10 +10,12 @@ HARDEST_SHARE = 0.002
 def mask_loss(logits: torch.Tensor, masks: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
     """Return the loss of heatmaps against masks.
 
-    Three terms. Cross-entropy of each pixel. Dice, which does not care that a cup covers a
+    Four terms. Cross-entropy of each pixel. Dice, which does not care that a cup covers a
     hundredth of the picture (Milletari et al., "V-Net", 2016, eq. 3, with squares). And the
     cross-entropy of the hottest pixels outside the mask: the peak of a heatmap decides whether a
-    thing is found, and the mean over all pixels hardly notices a single hot one.
+    thing is found, and the mean over all pixels hardly notices a single hot one. Last, how likely a
+    pixel drawn from the soft-max over the picture is outside the mask: the arg-max is what is
+    pointed at.
 
     Args:
         logits: (phrases, side, side).
@@ -30,7 +32,10 @@ def mask_loss(logits: torch.Tensor, masks: torch.Tensor, weights: torch.Tensor) 
     outside = each * (1.0 - masks)
     count = max(1, round(HARDEST_SHARE * logits.shape[1]))
     hardest = outside.topk(count, dim=1).values.mean(dim=1)
-    total = 4.0 * each.mean(dim=1) + dice + 0.25 * hardest
+    # Finite, so that phrases that fit nothing have a gradient of zero and not of NaN.
+    inside = logits.masked_fill(masks == 0, -1e4).logsumexp(dim=1)
+    astray = torch.where(present > 0, logits.logsumexp(dim=1) - inside, torch.zeros_like(present))
+    total = 4.0 * each.mean(dim=1) + dice + 0.25 * hardest + 0.25 * astray
     return (weights * total).sum() / weights.sum().clamp(min=1.0)
 
 

@@ -1,5 +1,6 @@
 """A small CLIPSeg from nothing, in the layout that `from_pretrained` reads."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import torch
 
+from w2c.errors import ConfigError
 from w2c_grounding.card import ModelCard, write_card
 from w2c_grounding.train.tokens import make_tokenizer
 
@@ -19,22 +21,27 @@ DEVIATION = (0.229, 0.224, 0.225)
 class Size:
     """How large the model is. The defaults are those of the embedded one."""
 
-    image: int = 208
+    image: int = 352
     """The picture is squashed to a square of this side [px]: the decoder knows only squares"""
     patch: int = 16
-    width: int = 160
+    width: int = 192
     """Of the picture tower"""
-    layers: int = 5
-    heads: int = 5
-    extract: tuple[int, ...] = (1, 4)
+    layers: int = 6
+    heads: int = 6
+    extract: tuple[int, ...] = (2, 5)
     """Layers whose activations the decoder reads"""
-    text_width: int = 96
+    text_width: int = 128
     text_layers: int = 2
-    projection: int = 96
+    projection: int = 128
     reduced: int = 64
     """Width of the decoder, the `rd64` of the published checkpoints"""
     longest_phrase: int = 24
     """[tokens]"""
+
+    @property
+    def cells(self) -> int:
+        """Patches along a side of the picture."""
+        return self.image // self.patch
 
 
 def new_model(size: Size, vocabulary_size: int) -> Any:
@@ -71,15 +78,13 @@ def new_model(size: Size, vocabulary_size: int) -> Any:
         reduce_dim=size.reduced,
         extract_layers=list(size.extract),
         decoder_num_attention_heads=2,
-        decoder_intermediate_size=4 * size.reduced,
-        # Its two up-samplings by a quarter of the patch make one of a whole patch only where it
-        # is 16.
-        use_complex_transposed_convolution=size.patch == 16,
+        decoder_intermediate_size=3 * size.reduced,
+        # A patch of the heatmap from one token at once, as in the published `rd64`: the three
+        # convolutions of `rd64-refined` would take more time than the rest of the decoder.
+        use_complex_transposed_convolution=False,
     )
     model = CLIPSegForImageSegmentation(config)
     start_decoder(model)
-    start_positions(model, size)
-    start_attention(model)
     return model
 
 
@@ -97,64 +102,7 @@ def start_decoder(model: Any) -> None:
                 torch.nn.init.zeros_(module.bias)
     # The first phrase embedding shall scale the features by about one.
     torch.nn.init.ones_(decoder.film_mul.bias)
-    last: Any = decoder.transposed_convolution
-    last = last[-1] if isinstance(last, torch.nn.Sequential) else last
-    torch.nn.init.constant_(last.bias, -3.0)
-
-
-def start_positions(model: Any, size: Size) -> None:
-    """Start the position embeddings as sines and cosines of row and column.
-
-    They are learned from there. Random ones must first discover which patches are neighbours, which
-    a short training cannot afford.
-    """
-    side = size.image // size.patch
-    quarter = size.width // 4
-    frequencies = torch.pi * torch.logspace(0.0, 1.0, quarter, base=side / 2.0)
-    positions = (torch.arange(side) + 0.5) / side
-    angles = positions[:, None] * frequencies[None, :]  # (side, quarter)
-    waves = torch.cat([angles.sin(), angles.cos()], dim=1)  # (side, width / 2)
-    rows = waves[:, None, :].expand(side, side, -1)
-    columns = waves[None, :, :].expand(side, side, -1)
-    grid = torch.cat([rows, columns], dim=2).reshape(side * side, -1)
-    with torch.no_grad():
-        embedding = model.clip.vision_model.embeddings.position_embedding.weight
-        embedding[1:, : grid.shape[1]] = 0.5 * grid
-
-
-def start_attention(model: Any) -> None:
-    """Start each head of the picture tower attending to what is like itself, near itself.
-
-    Queries and keys begin as the same projection, after Trockman and Kolter, "Mimetic
-    Initialization of Self-Attention Layers", ICML 2023: small towers on few pictures learn much
-    faster from there.
-    """
-    with torch.no_grad():
-        for layer in model.clip.vision_model.encoder.layers:
-            attention = layer.self_attn
-            torch.nn.init.orthogonal_(attention.q_proj.weight, gain=0.7)
-            attention.k_proj.weight.copy_(attention.q_proj.weight)
-
-
-def start_patches(model: Any, pictures: torch.Tensor) -> None:
-    """Start the patch embedding at the principal components of patches, scaled to like variance.
-
-    Args:
-        model: Of `new_model`.
-        pictures: (n, 3, side, side), normalised; a few dozen are enough.
-    """
-    embedding = model.clip.vision_model.embeddings.patch_embedding
-    patch = embedding.kernel_size[0]
-    patches = torch.nn.functional.unfold(pictures, patch, stride=patch)  # (n, 3 patch^2, patches)
-    flat = patches.transpose(1, 2).reshape(-1, patches.shape[1])
-    flat = flat - flat.mean(dim=0)
-    values, vectors = torch.linalg.eigh(flat.T @ flat / len(flat))  # ascending
-    count = min(embedding.out_channels, vectors.shape[1])
-    values, vectors = values[-count:].flip(0), vectors[:, -count:].flip(1)
-    # The floor keeps components that are mostly noise from being blown up.
-    scale = (values + 0.02 * values[0].sqrt()).clamp(min=1e-6).rsqrt()
-    with torch.no_grad():
-        embedding.weight[:count] = (vectors * scale).T.reshape(count, *embedding.weight.shape[1:])
+    torch.nn.init.constant_(decoder.transposed_convolution.bias, -3.0)
 
 
 def new_processor(size: Size, words: Sequence[str]) -> Any:
@@ -174,10 +122,79 @@ def new_processor(size: Size, words: Sequence[str]) -> Any:
     )
 
 
-def features(model: Any, pixels: torch.Tensor) -> tuple[torch.Tensor, ...]:
-    """Return the activations (batch, tokens, width) that the decoder reads, with gradients."""
-    output = model.clip.get_image_features(pixel_values=pixels, output_hidden_states=True)
-    return tuple(output.hidden_states[layer + 1] for layer in model.extract_layers)
+def features(
+    model: Any, pixels: torch.Tensor, corners: torch.Tensor | None = None
+) -> tuple[torch.Tensor, ...]:
+    """Return the activations (n, 1 + patches, width) that the decoder reads, with gradients.
+
+    Args:
+        model: Of `new_model`.
+        pixels: (n, 3, h, w), normalised; whole pictures, or windows of them.
+        corners: (n, 2) row and column, in patches, of where each window lies in its picture; None
+            for whole pictures.
+    """
+    tower = model.clip.vision_model
+    embeddings = tower.embeddings
+    patches = embeddings.patch_embedding(pixels)  # (n, width, rows, columns)
+    count, width, rows, columns = patches.shape
+    side = math.isqrt(embeddings.num_patches)
+    if corners is None:
+        corners = torch.zeros(count, 2, dtype=torch.long)
+    row = corners[:, 0, None, None] + torch.arange(rows)[None, :, None]
+    column = corners[:, 1, None, None] + torch.arange(columns)[None, None, :]
+    places = 1 + (row * side + column).flatten(1)  # (n, patches); 0 is the class token's
+    tokens = patches.flatten(2).transpose(1, 2) + embeddings.position_embedding(places)
+    first = embeddings.class_embedding + embeddings.position_embedding.weight[0]
+    hidden = torch.cat([first.expand(count, 1, width), tokens], dim=1)
+    hidden = tower.pre_layrnorm(hidden)
+    kept: dict[int, torch.Tensor] = {}
+    for number, layer in enumerate(tower.encoder.layers):
+        hidden = layer(hidden, attention_mask=None)
+        kept[number] = hidden
+    return tuple(kept[number] for number in model.extract_layers)
+
+
+def decode(
+    model: Any,
+    activations: tuple[torch.Tensor, ...],
+    conditions: torch.Tensor,
+    part: tuple[int, int] = (0, 0),
+    step: int = 1,
+) -> torch.Tensor:
+    """Return the logits (phrases, h / step, w / step) of phrases, with gradients.
+
+    What the model's own decoder computes, with two savings: a picture's activations are reduced
+    once for all of its phrases, and only every `step`-th row and column of the heatmap is made.
+
+    Args:
+        model: Of `new_model`.
+        activations: Of `features`, each (n, 1 + patches, width).
+        conditions: (phrases, projection): those of the first picture, then those of the second
+            ..., equally many of each.
+        part: The first row and column of the heatmap that is made.
+        step: From one row to the next that is made.
+    """
+    decoder = model.decoder
+    each = len(conditions) // len(activations[0])
+    output: torch.Tensor | None = None
+    reversed_layers = zip(activations[::-1], decoder.layers, decoder.reduces, strict=True)
+    for number, (activation, layer, reduce) in enumerate(reversed_layers):
+        reduced = reduce(activation).repeat_interleave(each, dim=0)
+        output = reduced if output is None else reduced + output
+        if number == decoder.conditional_layer:
+            scale, shift = decoder.film_mul(conditions), decoder.film_add(conditions)
+            output = scale[:, None] * output + shift[:, None]
+        output = layer(output, attention_mask=None)
+    if output is None:
+        raise ValueError("a decoder without layers")
+    side = math.isqrt(output.shape[1] - 1)
+    grid = output[:, 1:].transpose(1, 2).reshape(len(output), -1, side, side)
+    last = decoder.transposed_convolution
+    weight = last.weight[:, :, part[0] :: step, part[1] :: step]
+    logits = torch.nn.functional.conv_transpose2d(
+        grid, weight, last.bias, stride=last.stride[0] // step
+    )
+    return logits.squeeze(1)
 
 
 def embed(model: Any, tokens: Any) -> torch.Tensor:
@@ -200,3 +217,39 @@ def save(model: Any, processor: Any, card: ModelCard, directory: Path) -> None:
     (directory / "model.safetensors").chmod(0o644)
     processor.save_pretrained(directory)
     write_card(card, directory)
+
+
+def read(directory: Path) -> tuple[Any, Any, Size]:
+    """Return model, processor and size of a checkpoint directory of `save`.
+
+    Raises:
+        ConfigError: it was not made by this command.
+    """
+    from transformers import CLIPSegForImageSegmentation, CLIPSegProcessor
+
+    try:
+        processor = CLIPSegProcessor.from_pretrained(directory, backend="pil")
+        model: Any = CLIPSegForImageSegmentation.from_pretrained(directory, dtype=torch.float32)
+    # transformers, safetensors and the tokenizer each have errors of their own.
+    except Exception as error:
+        raise ConfigError(f"--from {directory} cannot be read: {error}") from error
+    config, vision, text = model.config, model.config.vision_config, model.config.text_config
+    if config.use_complex_transposed_convolution:
+        raise ConfigError(
+            f"--from {directory} has the decoder of `rd64-refined`, which this command does not "
+            "train; begin with a checkpoint that it wrote"
+        )
+    size = Size(
+        image=vision.image_size,
+        patch=vision.patch_size,
+        width=vision.hidden_size,
+        layers=vision.num_hidden_layers,
+        heads=vision.num_attention_heads,
+        extract=tuple(config.extract_layers),
+        text_width=text.hidden_size,
+        text_layers=text.num_hidden_layers,
+        projection=config.projection_dim,
+        reduced=config.reduce_dim,
+        longest_phrase=text.max_position_embeddings,
+    )
+    return model, processor, size

@@ -1,6 +1,9 @@
 """Pictures of random scenes with the truth about them, for training and for judging."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import groupby
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -31,10 +34,12 @@ def render(
     description: SetDescription,
     *,
     resume: bool = False,
+    jobs: int = 1,
 ) -> Iterator[Path]:
     """Write the pictures of seeds `seed` to `seed + count - 1`; yields the truth file of each.
 
-    A picture depends on nothing but its seed and the description, so that a set can be continued.
+    A picture depends on nothing but its seed and the description, so that a set can be continued,
+    and made by `jobs` processes at once.
 
     Raises:
         ConfigError: the directory holds something else.
@@ -42,10 +47,32 @@ def render(
     """
     files = PictureSet(directory, description)
     files.open(seed, count, resume=resume)
+    numbers = range(seed, seed + count)
+    if jobs == 1:
+        yield from _render(files, numbers, resume)
+        return
+    # A block of seeds shares one compiled model: it goes to one process.
+    blocks = [list(block) for _, block in groupby(numbers, lambda n: n // SCENES_PER_POOL)]
+    # Not forked: a graphics context does not survive it.
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as workers:
+        try:
+            waiting = [workers.submit(_render_block, files, block, resume) for block in blocks]
+            for block in waiting:
+                yield from block.result()
+        finally:
+            workers.shutdown(wait=False, cancel_futures=True)
+
+
+def _render_block(files: PictureSet, numbers: Sequence[int], resume: bool) -> list[Path]:
+    return list(_render(files, numbers, resume))
+
+
+def _render(files: PictureSet, numbers: Sequence[int], resume: bool) -> Iterator[Path]:
+    description = files.description
     pool: Pool | None = None
     block = -1
     try:
-        for number in range(seed, seed + count):
+        for number in numbers:
             name = f"{number:07d}"
             if resume and files.has(name):
                 yield files.truth_file(name)

@@ -1,32 +1,25 @@
-"""The parts of the training, and a very short one of the whole."""
+"""The parts of the training: words, losses, model, start, optimiser, plan."""
 
-import json
-from pathlib import Path
+import math
+from copy import deepcopy
 
-import numpy as np
 import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fakes.rendered import write_pictures
-from w2c.errors import ConfigError
-from w2c_grounding.model_config import ModelConfig
-from w2c_grounding.registry import load
-from w2c_grounding.train.augment import normalise, vary
-from w2c_grounding.train.commands import train
-from w2c_grounding.train.data import load_pictures
+from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.loss import mask_loss, patch_loss, patch_targets
-from w2c_grounding.train.model import Size, new_model, new_processor, start_patches
-from w2c_grounding.train.phrases import tokenizer_words, vocabulary_of
-from w2c_grounding.train.score import Trial, calibrate, summarise
+from w2c_grounding.train.model import Size, decode, features, new_model
+from w2c_grounding.train.optimizer import Optimizer, orthogonalised
+from w2c_grounding.train.plan import Plan, Progress, learning_rate
+from w2c_grounding.train.start import OFFSETS, frequencies, start_tower, turn, wave_count
 from w2c_grounding.train.tokens import learn_merges, make_tokenizer
-from w2c_grounding.train.trainer import Plan, Trainer
 
-TINY = Size(
-    image=64,
+SMALL = Size(
+    image=128,
     patch=16,
-    width=32,
+    width=64,
     layers=2,
     heads=2,
     extract=(0, 1),
@@ -88,102 +81,14 @@ def test_patches_are_told_which_share_of_them_shows_what() -> None:
     assert shares[0].tolist() == [[0.0, 0.5], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
 
 
-def test_changes_keep_picture_and_identity_together() -> None:
-    """The object is the only red thing; wherever it goes, its identity goes too."""
-    pixels = torch.full((32, 3, 64, 64), 0.3)
-    owners = torch.zeros(32, 64, 64, dtype=torch.uint8)
-    owners[:, 10:40, 30:60] = 7
-    pixels[:, 0][owners == 7] = 0.9
-    changed, moved = vary(pixels, owners, torch.Generator().manual_seed(0))
-    assert changed.shape == pixels.shape
-    assert 0.0 <= float(changed.min()) <= float(changed.max()) <= 1.0
-    redness = changed[:, 0] - changed[:, 1:].mean(dim=1)
-    agree = ((redness > 0.25) == (moved == 7)).float().mean(dim=(1, 2))
-    assert float(agree.min()) > 0.9
-    assert not bool((moved == owners).all()), "nothing was moved"
-
-
-def test_patches_start_as_principal_components() -> None:
-    model = new_model(TINY, 600)
-    pictures = normalise(torch.rand(16, 3, 64, 64, generator=torch.Generator().manual_seed(1)))
-    start_patches(model, pictures)
-    embedded = model.clip.vision_model.embeddings.patch_embedding(pictures).detach()
-    features = embedded.flatten(2).transpose(1, 2).reshape(-1, TINY.width)
-    covariance = torch.cov(features.T)
-    spread = covariance.diagonal()
-    assert float(spread.max() / spread.min()) < 3.0
-    correlation = covariance / torch.outer(spread, spread).sqrt() - torch.eye(TINY.width)
-    assert float(correlation.abs().max()) < 1e-2
-
-
-def tiny_trainer(directory: Path, minutes: float) -> Trainer:
-    torch.manual_seed(0)
-    pictures = load_pictures(write_pictures(directory, 8), TINY.image)
-    processor = new_processor(TINY, tokenizer_words(vocabulary_of(pictures.truths)))
-    model = new_model(TINY, len(processor.tokenizer))
-    plan = Plan(minutes=minutes, batch=4, favourites=("disc",))
-    return Trainer(model, processor, pictures, TINY, plan)
-
-
-def test_training_changes_the_average_and_continues_where_it_stopped(tmp_path: Path) -> None:
-    trainer = tiny_trainer(tmp_path / "data", 0.02)
-    before = {name: value.clone() for name, value in trainer.model.state_dict().items()}
-    trainer.run(tmp_path / "state.pt", lambda _: None)
-    assert trainer.steps > 0
-    after = trainer.averaged().state_dict()
-    assert any(not torch.equal(after[name], before[name]) for name in before)
-
-    again = tiny_trainer(tmp_path / "data", 0.02)
-    again.resume(tmp_path / "state.pt")
-    assert (again.steps, again.seconds) == (trainer.steps, trainer.seconds)
-    continued = again.averaged().state_dict()
-    assert all(torch.equal(continued[name], after[name]) for name in after)
-    # The time of the plan is used up: nothing is left to do.
-    again.run(tmp_path / "state.pt", lambda _: None)
-    assert again.steps == trainer.steps
-
-
-def test_a_state_that_is_none_is_refused(tmp_path: Path) -> None:
-    trainer = tiny_trainer(tmp_path / "data", 0.01)
-    with pytest.raises(ConfigError, match="without --resume"):
-        trainer.resume(tmp_path / "none.pt")
-
-
-def trial(score: float, kind: str = "", *, hits: bool = False) -> Trial:
-    return Trial("x", kind, False, score, hits, hits)
-
-
-def test_the_threshold_turns_down_the_wanted_share_of_absent_phrases() -> None:
-    absent = [trial(score) for score in np.linspace(0.1, 0.6, 101)]
-    threshold = calibrate([*absent, trial(0.9, "book", hits=True)], 0.9)
-    scores = summarise([*absent, trial(0.9, "book", hits=True)], threshold)
-    assert scores["absent_rejected"] == pytest.approx(0.9, abs=0.02)
-    assert scores["found"] == 1.0
-    assert scores["pointing.book"] == 1.0
-
-
-def test_calibration_without_absent_phrases_is_refused() -> None:
-    with pytest.raises(ConfigError, match="no absent phrase"):
-        calibrate([trial(0.9, "book")])
-
-
-def test_the_command_leaves_a_checkpoint_that_loads_and_its_scores(tmp_path: Path) -> None:
-    write_pictures(tmp_path / "data", 24)
-    flags = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--threads", "1"]
-    assert train([*flags, "--minutes", "0.01"]) == 0
-    family, card = load(ModelConfig(model=str(tmp_path / "out" / "checkpoint"), threads=1))
-    assert card.vocabulary is not None
-    assert {"square", "red"} <= set(card.vocabulary)
-    image = np.zeros((90, 160, 3), dtype=np.uint8)
-    assert len(family.query(family.prepare(image), ["square", "disc"])) == 2
-    scores = json.loads((tmp_path / "out" / "scores.json").read_text())
-    assert scores["threshold"] == card.threshold
-    assert scores["present_phrases"] == 8
-
-
-def test_the_command_says_what_is_missing(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match="w2c scenes render"):
-        train(["--data", str(tmp_path / "none"), "--out", str(tmp_path / "out")])
+def test_a_phrase_that_fits_nothing_has_a_finite_gradient() -> None:
+    logits = torch.zeros(2, 16, 16, requires_grad=True)
+    masks = torch.zeros(2, 16, 16)
+    masks[0, :4, :4] = 1.0
+    mask_loss(logits, masks, torch.ones(2)).backward()  # type: ignore[no-untyped-call]
+    assert logits.grad is not None
+    assert bool(torch.isfinite(logits.grad).all())
+    assert bool((logits.grad[0][masks[0] == 1] < 0).all())
 
 
 def test_patches_that_say_what_they_show_lose_least() -> None:
@@ -192,3 +97,159 @@ def test_patches_that_say_what_they_show_lose_least() -> None:
     wrong = right.flip(dims=(2,))
     assert float(patch_loss(right, shares)) < 0.5
     assert float(patch_loss(wrong, shares)) > 5.0
+
+
+@pytest.fixture(scope="module")
+def pictures() -> torch.Tensor:
+    """Patches of one colour and of noise, in turns: they differ much in size."""
+    generator = torch.Generator().manual_seed(1)
+    pixels = torch.rand(4, 3, 1, 1, generator=generator).expand(4, 3, 128, 128).clone()
+    noise = torch.rand(4, 3, 128, 128, generator=generator)
+    rough = (torch.arange(128) // 16 % 2 == 0).float()
+    return normalise(torch.lerp(pixels, noise, rough[None, None, :, None]))
+
+
+@pytest.fixture(scope="module")
+def started(pictures: torch.Tensor) -> torch.nn.Module:
+    torch.manual_seed(0)
+    model: torch.nn.Module = new_model(SMALL, 600)
+    start_tower(model, SMALL, pictures)
+    return model.eval()
+
+
+def attention_of(model: torch.nn.Module, number: int, hidden: torch.Tensor) -> torch.Tensor:
+    """Return (n, heads, from, to)."""
+    layer = model.get_submodule(f"clip.vision_model.encoder.layers.{number}")
+    normalised = layer.get_submodule("layer_norm1")(hidden)
+    shape = (*hidden.shape[:2], SMALL.heads, -1)
+    queries, keys = (
+        layer.get_submodule(f"self_attn.{name}")(normalised).view(shape).transpose(1, 2)
+        for name in ("q_proj", "k_proj")
+    )
+    weights: torch.Tensor = (queries @ keys.mT / math.sqrt(queries.shape[-1])).softmax(dim=-1)
+    return weights
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_head_begins_by_looking_at_one_neighbour(
+    started: torch.nn.Module, pictures: torch.Tensor, number: int
+) -> None:
+    with torch.no_grad():
+        tower = started.get_submodule("clip.vision_model")
+        embedded = tower.get_submodule("embeddings")(pictures)
+        hidden = tower.get_submodule("pre_layrnorm")(embedded)
+        if number == 1:
+            (hidden, _) = features(started, pictures)
+        weights = attention_of(started, number, hidden)[:, 0, 1:, 1:]
+    row, column = OFFSETS[number][0]
+    cells = torch.arange(SMALL.cells**2).view(SMALL.cells, SMALL.cells)
+    inside = cells[1:-1, 1:-1].flatten()
+    wanted = inside + row * SMALL.cells + column
+    assert float(weights[:, inside, wanted].mean()) > 0.7
+    assert bool((weights[:, inside].argmax(dim=-1) == wanted).all())
+
+
+def test_a_turn_moves_a_position_by_the_offset() -> None:
+    places = torch.tensor([[2.0, 5.0], [3.0, 3.0]])  # row and column; the second is (1, -2) away
+    angles = places[:, :, None] * frequencies(SMALL)
+    waves = torch.cat([angles.sin(), angles.cos()], dim=2).flatten(1)
+    torch.testing.assert_close(turn((1, -2), SMALL) @ waves[0], waves[1])
+
+
+def test_patches_start_alike_loud_and_apart_from_positions(
+    started: torch.nn.Module, pictures: torch.Tensor
+) -> None:
+    embedding = started.get_submodule("clip.vision_model.embeddings.patch_embedding")
+    shown = embedding(pictures).detach().flatten(2).transpose(1, 2).reshape(-1, SMALL.width)
+    content = SMALL.width - 4 * wave_count(SMALL)
+    assert float(shown[:, content:].abs().max()) == 0.0
+    covariance = torch.cov(shown[:, :content].T)
+    spread = covariance.diagonal()
+    correlation = covariance / torch.outer(spread, spread).sqrt() - torch.eye(content)
+    assert float(correlation.abs().max()) < 1e-2
+
+
+def test_features_and_heatmaps_are_those_of_the_model_itself(
+    started: torch.nn.Module, pictures: torch.Tensor
+) -> None:
+    model: object = started
+    with torch.no_grad():
+        ours = features(model, pictures)
+        theirs = model.clip.get_image_features(  # type: ignore[attr-defined]
+            pixel_values=pictures, interpolate_pos_encoding=True, output_hidden_states=True
+        ).hidden_states
+        for layer, own in zip(SMALL.extract, ours, strict=True):
+            torch.testing.assert_close(own, theirs[layer + 1])
+        conditions = torch.randn(8, SMALL.projection, generator=torch.Generator().manual_seed(2))
+        repeated = tuple(layer.repeat_interleave(2, dim=0) for layer in ours)
+        whole = model.decoder(repeated, conditions).logits  # type: ignore[attr-defined]
+        torch.testing.assert_close(decode(model, ours, conditions), whole)
+        part = decode(model, ours, conditions, (1, 0), 2)
+        torch.testing.assert_close(part, whole[:, 1::2, ::2])
+
+
+def test_a_window_is_seen_where_it_lies_in_its_picture(
+    started: torch.nn.Module, pictures: torch.Tensor
+) -> None:
+    """Far from the window's edge the first layer gives what it gives in the whole picture."""
+    with torch.no_grad():
+        whole = features(started, pictures)[0][:, 1:].reshape(-1, 8, 8, SMALL.width)
+        corners = torch.tensor([[2, 3]] * len(pictures))
+        part = features(started, pictures[:, :, 32:112, 48:128], corners)[0][:, 1:]
+        elsewhere = features(started, pictures[:, :, 32:112, 48:128], corners * 0)[0][:, 1:]
+    # The last dimensions say where a patch is.
+    waves = 4 * wave_count(SMALL)
+    there = part.reshape(-1, 5, 5, SMALL.width)[:, 2, 2, -waves:]
+    assert float((there - whole[:, 4, 5, -waves:]).abs().max()) < 0.2
+    assert float((elsewhere - part)[..., -waves:].abs().max()) > 1.0
+
+
+def test_orthogonalised_matrices_have_singular_values_near_one() -> None:
+    generator = torch.Generator().manual_seed(3)
+    for shape in ((2, 16, 48), (1, 48, 16)):
+        values = torch.linalg.svdvals(orthogonalised(torch.randn(shape, generator=generator)))
+        assert 0.5 < float(values.min()) <= float(values.max()) < 1.3
+
+
+def test_the_optimizer_goes_downhill_and_continues_bit_by_bit() -> None:
+    def problem() -> tuple[torch.nn.Module, Optimizer]:
+        torch.manual_seed(4)
+        network = torch.nn.ModuleDict({"layers": torch.nn.Sequential(torch.nn.Linear(6, 6))})
+        named = [(f"x.{name}", weight) for name, weight in network.named_parameters()]
+        return network, Optimizer(named, 0.0)
+
+    def go(network: torch.nn.Module, optimizer: Optimizer, steps: int) -> float:
+        inputs = torch.eye(6)
+        loss = torch.zeros(())
+        for _ in range(steps):
+            loss = (network.get_submodule("layers")(inputs) - torch.ones(6, 6)).square().mean()
+            loss.backward()
+            optimizer.step(0.03)
+        return float(loss.detach())
+
+    network, optimizer = problem()
+    before = go(network, optimizer, 1)
+    assert go(network, optimizer, 60) < 0.2 * before
+    again, other = problem()
+    go(again, other, 20)
+    state = deepcopy(other.state_dict())
+    third, last = problem()
+    third.load_state_dict(again.state_dict())
+    last.load_state_dict(state)
+    assert go(third, last, 41) == go(again, other, 41)
+
+
+def test_the_rate_rises_and_falls_with_what_is_done_of_the_plan() -> None:
+    plan = Plan(steps=1000, warm_up=100, rate=1.0)
+    rates = [learning_rate(plan, Progress(steps=n)) for n in (0, 99, 550, 999)]
+    assert rates[0] == pytest.approx(0.01, abs=0.001)
+    assert rates[1] > 0.95
+    assert 0.3 < rates[2] < 0.7
+    assert rates[3] < 0.02
+
+
+def test_by_minutes_the_time_before_the_first_step_is_no_part_of_the_schedule() -> None:
+    plan = Plan(minutes=60.0, closing_s=150.0)
+    assert Progress(seconds=90.0, began=90.0).fraction(plan) == 0.0
+    assert Progress(seconds=3450.0, began=90.0).fraction(plan) == 1.0
+    assert Progress(seconds=10.0, began=9.0).fraction(Plan(minutes=0.1)) == 1.0

@@ -185,12 +185,12 @@ def test_depth_puts_the_table_top_at_its_height(rendered: tuple[Path, list[Any]]
     assert checked >= 2
 
 
-def test_a_picture_depends_on_its_seed_alone_and_sets_can_be_continued(
+def test_a_picture_depends_on_its_seed_alone_and_sets_can_be_shared_out_and_continued(
     rendered: tuple[Path, list[Any]], tmp_path: Path
 ) -> None:
     directory, _ = rendered
 
-    list(render(tmp_path, 42, 1, SET))
+    list(render(tmp_path, 42, 1, SET, jobs=2))
     kept = (tmp_path / "0000042.png").stat().st_mtime_ns
     with pytest.raises(ConfigError, match="has 1 of these 1 pictures already; add --resume"):
         list(render(tmp_path, 42, 1, SET))

@@ -1,0 +1,31 @@
+"""Ctrl-C and SIGTERM end a training at its next step, so that nothing is lost."""
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@contextmanager
+def interruptible() -> Iterator[Callable[[], bool]]:
+    """Yield a function that says whether the process was asked to end. For the main thread.
+
+    A second signal ends it at once, as it would have without this.
+    """
+    asked = False
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+
+    def remember(number: int, _: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+        signal.signal(number, before[signal.Signals(number)])
+
+    for number in _SIGNALS:
+        signal.signal(number, remember)
+    try:
+        yield lambda: asked
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,161 @@
+"""A training from pictures to a checkpoint with its threshold and its scores."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+import torch
+
+from w2c.clock import Clock
+from w2c.errors import ConfigError
+from w2c_grounding.card import ModelCard, read_card, write_card
+from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.registry import check_directory, load
+from w2c_grounding.train.augment import normalise
+from w2c_grounding.train.data import truth_files
+from w2c_grounding.train.model import Size, new_model, new_processor, read, save
+from w2c_grounding.train.phrases import tokenizer_words, vocabulary_of
+from w2c_grounding.train.pictures import Pictures, digest, open_pictures
+from w2c_grounding.train.plan import Plan, has_bf16
+from w2c_grounding.train.score import calibrate, run_trials, summarise
+from w2c_grounding.train.start import start_tower
+from w2c_grounding.train.trainer import Trainer, read_state, save_state
+from w2c_grounding.train.watch import watch
+
+KEPT = 20
+"""One picture in so many is kept back"""
+CALIBRATION_PICTURES = 150
+FINE_TUNING = 0.35
+"""Of the learning rate, where weights are there already"""
+START_PICTURES = 48
+
+
+@dataclass(frozen=True)
+class Task:
+    """What was asked for; the flags of the command."""
+
+    data: Path
+    out: Path
+    minutes: float = 60.0
+    steps: int = 0
+    seed: int = 0
+    threads: int = 2
+    rate: float | None = None
+    begin_with: Path | None = None
+    resume: bool = False
+    name: str = "w2c-clipseg-2"
+    precision: Literal["auto", "float32", "bfloat16"] = "auto"
+    size: Size = field(default_factory=Size)
+    plan: Plan = field(default_factory=Plan)
+    """Of it only what has no flag counts"""
+
+
+class Run:
+    """One command. `report` takes lines for people."""
+
+    def __init__(self, task: Task, clock: Clock, report: Callable[[str], None]) -> None:
+        self._task = task
+        self._clock = clock
+        self._report = report
+        self._started_ns = clock.now_ns()
+        self._state = task.out / "state.pt"
+
+    def __call__(self, stopped: Callable[[], bool] = lambda: False) -> dict[str, float] | None:
+        """Train, and return the scores on the pictures kept back; None where it was stopped.
+
+        Raises:
+            ConfigError: a file is missing or damaged, or does not fit what is to be continued.
+            W2CError: the disk is full.
+            ModelError: the training fails.
+        """
+        task = self._task
+        torch.set_num_threads(task.threads)
+        torch.manual_seed(task.seed)
+        files = truth_files(task.data)
+        kept, used = files[::KEPT], [file for n, file in enumerate(files) if n % KEPT]
+        if not used:
+            raise ConfigError(f"{task.data} holds {len(files)} pictures; training needs at least 2")
+        model, processor, size, vocabulary = self._begin_with()
+        self._report(f"{len(used)} pictures to train on, {len(kept)} kept back; reading them")
+        pictures = open_pictures(used, size.image, task.out / "pictures", task.threads)
+        watched = open_pictures(kept, size.image, task.out / "pictures" / "kept", task.threads)
+        vocabulary = sorted({*vocabulary, *vocabulary_of(pictures.truths)})
+        if model is None:
+            processor = new_processor(size, tokenizer_words(vocabulary))
+            model = new_model(size, len(processor.tokenizer))
+            start_tower(model, size, _some(pictures))
+        plan = self._plan()
+        trainer = Trainer(model, processor, pictures, size, plan, self._clock, self._started_ns)
+        identity = {
+            "data": digest(files),
+            "seed": str(task.seed),
+            "begin_with": str(task.begin_with or ""),
+            "size": str(size),
+        }
+        if task.resume:
+            trainer.restore(read_state(self._state, identity))
+
+        def keep() -> None:
+            save_state({**trainer.state(), "identity": identity}, self._state)
+            hits, refused = watch(trainer.averaged(), processor, watched, size, task.seed)
+            self._report(f"kept pictures: {hits:.2f} hit, {refused:.2f} of what is absent refused")
+
+        if not trainer.run(keep, self._report, stopped):
+            return None
+        checkpoint = task.out / "checkpoint"
+        card = ModelCard(name=task.name, vocabulary=vocabulary)
+        save(trainer.averaged(), processor, card, checkpoint)
+        scores = self._measure(card, kept, checkpoint)
+        scores |= {
+            "steps": float(trainer.progress.steps),
+            "minutes": trainer.look_at_clock() / 60.0,
+            "pictures": float(len(used)),
+        }
+        encoded = msgspec.json.format(msgspec.json.encode(scores), indent=1)
+        (task.out / "scores.json").write_bytes(encoded + b"\n")
+        return scores
+
+    def _begin_with(self) -> tuple[Any, Any, Size, list[str]]:
+        """Return model, processor, size and words of --from; no model without it."""
+        source = self._task.begin_with
+        if source is None:
+            return None, None, self._task.size, []
+        card = read_card(check_directory(source), source.name)
+        model, processor, size = read(source)
+        return model, processor, size, list(card.vocabulary or [])
+
+    def _plan(self) -> Plan:
+        task = self._task
+        usual = task.plan.rate * (FINE_TUNING if task.begin_with else 1.0)
+        bf16 = has_bf16() if task.precision == "auto" else task.precision == "bfloat16"
+        return replace(
+            task.plan,
+            minutes=task.minutes,
+            steps=task.steps,
+            seed=task.seed,
+            rate=task.rate or usual,
+            bf16=bf16,
+        )
+
+    def _measure(self, card: ModelCard, kept: list[Path], checkpoint: Path) -> dict[str, float]:
+        """Calibrate the threshold of the checkpoint, note it there, and score it.
+
+        Half of the pictures kept back give the threshold, the others the scores.
+        """
+        family, _ = load(ModelConfig(model=str(checkpoint), threads=self._task.threads))
+        some = kept[:: max(1, len(kept) // CALIBRATION_PICTURES)]
+        trials = run_trials(family, some[::2], self._task.seed)
+        threshold = calibrate(trials)
+        write_card(msgspec.structs.replace(card, threshold=threshold), checkpoint)
+        scored = run_trials(family, some[1::2] or some, self._task.seed)
+        found = summarise(scored, threshold)
+        return {"threshold": threshold, **{name: value for name, (value, _) in found.items()}}
+
+
+def _some(pictures: Pictures) -> torch.Tensor:
+    """Return a few pictures from all over the set, normalised."""
+    every = max(1, len(pictures) // START_PICTURES)
+    pixels = torch.from_numpy(pictures.pixels[::every].copy()).permute(0, 3, 1, 2)
+    return normalise(pixels.float() / 255.0)
