@@ -45,7 +45,7 @@ class Facts:
     """
 
     def __init__(self, config: msgspec.Struct) -> None:
-        self._facts = {"configuration": msgspec.json.encode(config).decode()}
+        self._facts = {"configuration": msgspec.json.encode(config, enc_hook=str).decode()}
         if isinstance(config, ModelConfiguration):
             path = config.model_files()
             if path is not None:

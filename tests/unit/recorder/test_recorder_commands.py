@@ -177,7 +177,7 @@ def test_a_mark_has_a_bounded_text() -> None:
 def test_verbs_load_without_the_recorders_own_dependencies() -> None:
     """Where the extra is not installed, the verb says so instead of failing at import."""
     program = (
-        "import sys, w2c_recorder.__main__, w2c_recorder.commands; "
+        "import sys, w2c_recorder.__main__, w2c_recorder.commands, w2c_recorder.replay.commands; "
         "sys.exit(bool({'mcap', 'lz4', 'zstandard'} & set(sys.modules)))"
     )
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

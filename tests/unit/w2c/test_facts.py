@@ -61,5 +61,12 @@ def test_a_model_that_is_not_there_is_said_to_be_unknown(tmp_path: Path) -> None
     assert facts()["model_sha256"] == "not known: No such file or directory"
 
 
+def test_a_configuration_with_paths_is_told() -> None:
+    class WithPath(msgspec.Struct):
+        place: Path
+
+    assert json.loads(Facts(WithPath(Path("runs/x")))()["configuration"]) == {"place": "runs/x"}
+
+
 def test_a_process_without_a_model_tells_its_configuration() -> None:
     assert list(Facts(Config(robot="talos", model=""))()) == ["configuration"]
