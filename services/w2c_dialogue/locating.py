@@ -21,8 +21,8 @@ def locate(shown: Shown, frame: Frame) -> tuple[Frame, CorrectionScene]:
     """
     point, view = shown.target.point, frame.view
     if point is None or view is None or frame.stamp_ns == shown.frame.stamp_ns:
-        known = point is not None
-        scale = pixels_per_cm(point, shown.frame.view) if known else shown.pixels_per_cm
+        known = pixels_per_cm(point, shown.frame.view)
+        scale = shown.pixels_per_cm if point is None else known
         return shown.frame, shown.scene((shown.target.u, shown.target.v), scale)
     scale = pixels_per_cm(point, view)
     before = shown.frame.view
