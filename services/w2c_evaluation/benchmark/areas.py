@@ -72,11 +72,13 @@ def next_to(sight: Sight, thing: Thing) -> Mask:
 
 def between(sight: Sight, first: Thing, second: Thing) -> Mask:
     """Return the free surface in the gap between two things that stand on the same surface."""
-    boxes = np.array([first.edges, second.edges], np.float32)
-    corners = np.concatenate(
-        [boxes[:, [0, 1]], boxes[:, [2, 1]], boxes[:, [2, 3]], boxes[:, [0, 3]]]
-    )
-    hull = cv2.convexHull(corners.round().astype(np.int32))
+    corners = [
+        (u, v)
+        for left, top, right, bottom in (first.edges, second.edges)
+        for u in (left, right - 1)
+        for v in (top, bottom - 1)
+    ]
+    hull = cv2.convexHull(np.array(corners, np.int32))
     inside = np.zeros(sight.identity.shape, np.uint8)
     cv2.fillConvexPoly(inside, hull, 1)
     for left, top, right, bottom in (first.edges, second.edges):

@@ -1,0 +1,89 @@
+"""One instruction about one picture: the same modules, and the step at which it failed."""
+
+from typing import Any
+
+import pytest
+
+from fakes.dialogue_world import KnownThings, ScriptedModel
+from w2c.errors import ConfigError, DeadlineError, ModelError
+from w2c_dialogue.batch.predicting import Predicted, Predicting
+
+BOOK, CUP = (100.0, 100.0, 300.0, 200.0), (600.0, 300.0, 700.0, 400.0)
+THINGS = {"book": BOOK, "cup": CUP}
+ABSOLUTE = {"position": "absolute", "objects": ["4-4"]}
+RELATIVE = {"position": "relative", "objects": ["4-4"]}
+
+
+def predict(text: str = "lean on the book", **changes: Any) -> Predicted:
+    answers: dict[str, Any] = {
+        "select": ["prediction"],
+        "analyze": [ABSOLUTE],
+        "relative": [{"x": "a.left-0.5*a.width", "y": "a.v"}],
+    }
+    grounding = KnownThings(**changes.pop("things", THINGS))
+    predicting = Predicting(ScriptedModel(**(answers | changes)), grounding)
+    return predicting.predict(text, b"picture", (1280, 720))
+
+
+def test_on_a_thing_is_the_point_that_grounding_chose() -> None:
+    found = predict()
+
+    assert found.point == (200.0, 150.0)
+    assert (found.module, found.position, found.phrases) == ("prediction", "absolute", ("book",))
+    assert [(box.left, box.bottom) for box in found.boxes] == [(100.0, 200.0)]
+    assert (found.failed, found.asks) == ("", False)
+
+
+def test_relative_to_a_thing_is_the_models_arithmetic_on_its_box() -> None:
+    found = predict("left of the cup", analyze=[RELATIVE])
+
+    assert found.point == (550.0, 350.0)
+    assert found.position == "relative"
+
+
+def test_of_several_things_the_best_is_taken_and_it_says_so() -> None:
+    found = predict(things={"book": [BOOK, CUP]})
+
+    assert found.point == (200.0, 150.0)
+    assert found.asks
+    assert len(found.boxes) == 1
+
+
+def test_words_within_a_name_choose_one_of_several() -> None:
+    analysis = {"position": "absolute", "objects": ["4-5"]}
+    found = predict("lean on the right book", analyze=[analysis],
+                    things={"right_book": [BOOK, CUP]})  # fmt: skip
+
+    assert found.point == (650.0, 350.0)
+    assert not found.asks
+
+
+@pytest.mark.parametrize(
+    ("changes", "step", "reason"),
+    [
+        ({"analyze": [{"position": "above", "objects": []}]}, "analyzer", "form"),
+        ({"analyze": [{"position": "absolute", "objects": []}]}, "analyzer", "no object"),
+        ({"analyze": [ModelError("lost")]}, "analyzer", "lost"),
+        ({"select": [ModelError("lost")]}, "selector", "lost"),
+        ({"things": {"cup": CUP}}, "segmentation", "don't see"),
+        ({"things": {"cup": CUP}, "analyze": [RELATIVE]}, "detection", "don't see"),
+        ({"analyze": [RELATIVE], "relative": [{"x": "b.u", "y": "1"}]}, "expression", "b.u"),
+        ({"text": "a" * 501}, "selector", "501"),
+    ],
+)
+def test_the_step_that_gives_up_is_named(changes: dict[str, Any], step: str, reason: str) -> None:
+    found = predict(**changes)
+
+    assert found.point is None
+    assert found.failed == step
+    assert reason in found.reason
+
+
+def test_a_service_that_is_gone_is_no_answer() -> None:
+    with pytest.raises(DeadlineError):
+        predict(analyze=[DeadlineError("late")])
+
+
+def test_an_ablation_of_the_embedded_prompts_is_refused() -> None:
+    with pytest.raises(ConfigError, match="--prompts large"):
+        Predicting(ScriptedModel(), KnownThings(), ablation="zero_shot")
