@@ -128,6 +128,29 @@ class Recording:
                 if key and wanted(key):
                     yield _recorded(key, record, decode=False)
 
+    def newest_before(self, time_ns: int, wanted: Callable[[str], bool]) -> list[Recorded]:
+        """Return the newest message, not decoded, of each wanted key from before a time.
+
+        By the index, as `messages_between`; in the order of arrival.
+
+        Args:
+            time_ns: What arrived then or later does not count [ns since 1970].
+            wanted: Tells the keys.
+
+        Raises:
+            RecordingError: as for `messages`.
+        """
+        found: dict[str, Recorded] = {}
+        for path in reversed(self.paths.values()):
+            reader = RecordReader(path)
+            for record in reader.newest_before(
+                time_ns, lambda key: key not in found and wanted(key)
+            ):
+                channel = reader.channels[record.channel_id]
+                if channel.message_encoding == MessageEncoding.MessagePack:
+                    found[channel.topic] = _recorded(channel.topic, record, decode=False)
+        return sorted(found.values(), key=lambda one: one.log_time_ns)
+
     def _begin_look(self) -> "_Look":
         look = _Look(max(self.paths) + 1 - len(self.paths))
         if not self._read_whole:  # a second look that ends early must not forget what the first saw

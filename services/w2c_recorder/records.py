@@ -1,7 +1,7 @@
 """MCAP records in the order of the file, also from one that was never closed or is damaged."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import IO
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import InvalidMagic, McapError
 from mcap.reader import SeekingReader
-from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Metadata, Schema
+from mcap.records import Channel, Chunk, ChunkIndex, Footer, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk, read_magic
 from mcap.summary import Summary
 
@@ -92,6 +92,45 @@ class RecordReader:
                 if start_ns <= message.log_time < end_ns:
                     yield message
 
+    def newest_before(self, time_ns: int, wanted: Callable[[str], bool]) -> list[Message]:
+        """Return the newest message of each wanted channel that arrived before a time [ns].
+
+        Raises:
+            RecordingError: as for `contents`.
+        """
+        found: dict[int, Message] = {}
+        with self._opened() as stream:
+            summary = self._summary(stream)
+            if summary is None:
+                messages = self._until(stream, time_ns + DISORDER_NS)
+            else:
+                messages = self._backwards(stream, summary, time_ns, wanted, found)
+            for message in messages:
+                if message.log_time < time_ns and wanted(self.channels[message.channel_id].topic):
+                    known = found.get(message.channel_id)
+                    if known is None or known.log_time <= message.log_time:
+                        found[message.channel_id] = message
+        return list(found.values())
+
+    def _backwards(
+        self,
+        stream: IO[bytes],
+        summary: Summary,
+        time_ns: int,
+        wanted: Callable[[str], bool],
+        found: dict[int, Message],
+    ) -> Iterator[Message]:
+        """Yield the messages of the chunks, the last first, that hold what is wanted and not found.
+
+        A chunk ends before the next one begins, but for the snapshot that a file may begin with.
+        """
+        channels = {one.id for one in summary.channels.values() if wanted(one.topic)}
+        before = [one for one in summary.chunk_indexes if one.message_start_time < time_ns]
+        self.channels.update(summary.channels)
+        for index in sorted(before, key=lambda one: one.chunk_start_offset, reverse=True):
+            if channels.intersection(index.message_index_offsets) - found.keys():
+                yield from self._chunk(stream, index)
+
     @contextmanager
     def _opened(self) -> Iterator[IO[bytes]]:
         try:
@@ -120,17 +159,19 @@ class RecordReader:
         self.channels.update(summary.channels)
         self.damage.complete = True
         for index in sorted(summary.chunk_indexes, key=lambda one: one.chunk_start_offset):
-            if index.message_end_time < start_ns or index.message_start_time >= end_ns:
-                continue
-            stream.seek(index.chunk_start_offset)
-            try:
-                chunk = next(self._records(stream), None)
-            except _DAMAGE:
-                chunk = None
-            if not isinstance(chunk, Chunk):
-                self.damage.skipped_chunks += 1
-                continue
+            if index.message_end_time >= start_ns and index.message_start_time < end_ns:
+                yield from self._chunk(stream, index)
+
+    def _chunk(self, stream: IO[bytes], index: ChunkIndex) -> Iterator[Message]:
+        stream.seek(index.chunk_start_offset)
+        try:
+            chunk = next(self._records(stream), None)
+        except _DAMAGE:
+            chunk = None
+        if isinstance(chunk, Chunk):
             yield from (one for one in self._keep(chunk) if isinstance(one, Message))
+        else:
+            self.damage.skipped_chunks += 1
 
     def _until(self, stream: IO[bytes], last_ns: int) -> Iterator[Message]:
         """Yield the messages from the beginning to the first that arrived after `last_ns`."""

@@ -1,9 +1,10 @@
 """What is to be sent, and when: one pass through a recording."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from w2c import messages as m
+from w2c import topics
 from w2c.topics import Priority
 from w2c_recorder.liveliness import Liveliness, is_liveliness_key
 from w2c_recorder.reading import Recorded, Recording, topic_of
@@ -11,6 +12,10 @@ from w2c_recorder.replay.namespace import Namespace
 from w2c_recorder.replay.selection import Selection
 
 FOREVER_NS = 2**63
+STANDING = frozenset(
+    topic for topic in topics.TOPICS if topic.kind == "state" and not topic.rate_hz
+)
+"""States that are said when they change: who comes later has to be told"""
 
 
 @dataclass(frozen=True)
@@ -88,8 +93,22 @@ class Score:
         def wanted(key: str) -> bool:
             return selection(key) or is_liveliness_key(key)
 
+        begun = not self._start_s
         for recorded in recording.messages_between(first_ns, end_ns, wanted):
+            if not begun and selection(recorded.key):
+                begun = True
+                yield from self._standing(first_ns)
             yield from self._due(recorded)
+
+    def _standing(self, first_ns: int) -> Iterator[Due]:
+        """Yield what held at a time: who was there, and what is said only when it changes."""
+
+        def wanted(key: str) -> bool:
+            return is_liveliness_key(key) or (topic_of(key) in STANDING and self._selection(key))
+
+        for recorded in self._recording.newest_before(first_ns, wanted):
+            for due in self._due(recorded):
+                yield replace(due, at_ns=first_ns)
 
     def _due(self, recorded: Recorded) -> Iterator[Due]:
         if is_liveliness_key(recorded.key):

@@ -10,7 +10,7 @@ import pytest
 
 from support.ports import free_endpoint
 from support.recordings import MARK_KEY, raw_mark, raw_message, write_recording
-from support.sessions import Session, conversation
+from support.sessions import Session, conversation, target
 from support.waiting import wait_until
 from w2c import messages as m
 from w2c import topics
@@ -21,6 +21,7 @@ from w2c.config import ServiceConfig
 from w2c.errors import ConfigError, ConnectionFailedError, RecordingError, RefusedError
 from w2c.router import RouterConfig, open_router
 from w2c_recorder.liveliness import Liveliness, key_of
+from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.reading import Recording
 from w2c_recorder.replay.commands import replay
 from w2c_recorder.replay.lateness import Lateness
@@ -118,6 +119,44 @@ def test_a_part_is_played_by_the_times_of_the_timeline(desk: Desk, marks: Path) 
     desk.play(marks, start_s=1.0, end_s=3.0)
 
     assert desk.texts == ["1", "2"]
+
+
+@pytest.mark.parametrize("close", [True, False], ids=["by its index", "without one"])
+def test_a_part_begins_with_what_held_then(desk: Desk, tmp_path: Path, close: bool) -> None:
+    def note(instance: str, alive: bool, second: int) -> RawReceived:
+        change = Liveliness(service="llm", instance=instance, alive=alive)
+        return raw_message(change, key_of("test", change), second, received_ns=second * SECOND)
+
+    def shown(number: int, second: int) -> RawReceived:
+        key = topics.TARGET.key("test")
+        return raw_message(target(number, 5.0), key, number, received_ns=second * SECOND)
+
+    path = tmp_path / "session.mcap"
+    file = McapFile(path, {})
+    for message in (
+        *(raw_mark("a", 0, SECOND), note("0", True, 2), note("1", True, 2), shown(1, 3)),
+        *(note("0", False, 4), shown(2, 4), raw_mark("b", 1, 5 * SECOND), shown(3, 8)),
+        raw_mark("c", 2, 9 * SECOND),
+    ):
+        file.write(message, message.received_ns)
+        file.flush()  # a chunk each
+    if close:
+        file.close()
+    else:
+        file.abandon()
+    seen: list[list[tuple[str, str]]] = []
+    desk.on_message = lambda _raw: seen.append([one for one in desk.bus.alive() if one[0] == "llm"])
+
+    desk.play(path, start_s=6.0)
+
+    said = [decode_envelope(raw.payload).data for raw in desk.heard]
+    assert [one.get("target_id", one.get("text")) for one in said] == ["target-2", "target-3", "c"]
+    assert [time_ns - desk.times_ns[0] for time_ns in desk.times_ns] == [0, SECOND, 2 * SECOND]
+    assert seen[0] == [("llm", "1")]
+
+    desk.heard.clear()
+    desk.play(path, start_s=6.0, exclude=("state/dialogue/*",))
+    assert names(desk.heard) == {"event/recorder/mark"}
 
 
 def test_a_loop_begins_again_as_after_a_new_start(desk: Desk, marks: Path) -> None:
