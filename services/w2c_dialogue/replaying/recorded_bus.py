@@ -2,7 +2,7 @@
 
 import time
 from collections import defaultdict, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import msgspec
@@ -50,6 +50,8 @@ class RecordedBus(InProcessBus):
         """Published since they were last taken, with what caused them"""
         self.unknown: list[str] = []
         """What was asked and is not in the recording, in words"""
+        self.answered: Callable[[Asked], None] = lambda _asked: None
+        """Called with each answer before it is given"""
         self._answers: dict[tuple[str, bytes], deque[Asked]] = defaultdict(deque)
         for call in asked:
             if call.request is not None:
@@ -81,6 +83,7 @@ class RecordedBus(InProcessBus):
             self.unknown.append(what)
             raise UnavailableError(f"this was not asked in the recording: {what}")
         asked = answers.popleft() if len(answers) > 1 else answers[0]
+        self.answered(asked)
         if asked.outcome != "ok" or not isinstance(asked.reply, method.reply):
             text = asked.reply.message if isinstance(asked.reply, ErrorReply) else asked.error
             raise _ERRORS.get(asked.outcome, RemoteError)(text)

@@ -16,7 +16,15 @@ from w2c import topics
 from w2c.bus import Input, Received
 from w2c.clock import StepClock
 from w2c.difference import INFINITE, Difference, differences
-from w2c.messages import CompleteRequest, ConfirmRequest, PointRequest, SayRequest, Turn
+from w2c.messages import (
+    AllowedAreaRequest,
+    CompleteRequest,
+    ConfirmRequest,
+    HeightFieldRequest,
+    PointRequest,
+    SayRequest,
+    Turn,
+)
 from w2c.through import Asked, Compared, Heard, Session, Skipped
 from w2c_dialogue.config import DialogueConfig
 from w2c_dialogue.node import DialogueNode
@@ -33,6 +41,7 @@ ROWS = (topics.CAMERA_FRAME, topics.CAMERA_VIEW, topics.GOAL_EVENT, topics.TURN)
 PICTURES = (topics.CAMERA_FRAME, topics.CAMERA_VIEW)
 REMEMBERED = 40
 """Pictures and poses that a process which began anew may have got before it was spoken to"""
+LOOKS = HeightFieldRequest | AllowedAreaRequest
 Work = SayRequest | ConfirmRequest | PointRequest
 
 
@@ -41,10 +50,8 @@ def through(session: Session, tolerance: float | None) -> Iterator[Compared | Sk
     answers = [asked for asked in session.asked(*ASKED) if asked.caller == "dialogue"]
     said = sorted(session.asked("dialogue"), key=lambda asked: asked.began_s)
     told = list(session.heard(topics.TURN))
-    run = Run(answers, said, told, TOLERANCE if tolerance is None else tolerance)
-    for heard in session.heard(*ROWS):
-        yield from run.hear(heard)
-    yield from run.finish()
+    limit = TOLERANCE if tolerance is None else tolerance
+    yield from Run(session.heard(*ROWS), answers, said, told, limit).play()
 
 
 class Run:
@@ -52,17 +59,26 @@ class Run:
 
     def __init__(
         self,
+        source: Iterator[Heard],
         answers: Sequence[Asked],
         said: Sequence[Asked],
         told: Sequence[Heard],
         tolerance: float,
     ) -> None:
+        self._source = source
+        self._later: deque[Heard] = deque()
+        """Read and not yet taken: what came while a turn was taken"""
         self._answers = answers
+        looks = [asked for asked in answers if isinstance(asked.request, LOOKS)]
+        self._looks = deque(sorted(looks, key=lambda asked: asked.began_s))
+        """Questions about the newest picture, in the order in which they were asked"""
         self._waiting = deque(asked for asked in said if isinstance(asked.request, Work))
         self._told = deque(told)
         self._tolerance = tolerance
         self._bus: RecordedBus | None = None
         self._node: DialogueNode | None = None
+        self._turn: Asked | None = None
+        """That is taken, or was taken last"""
         self._clock = StepClock(1)
         self._seen: set[int] = set()
         """Stamps of the pictures whose camera pose is known too"""
@@ -71,16 +87,22 @@ class Run:
         """That came while a turn was taken"""
         self._made: deque[tuple[Turn, Sequence[Input]]] = deque()
 
-    def hear(self, heard: Heard) -> Iterator[Compared | Skipped]:
-        """Take one message."""
+    def play(self) -> Iterator[Compared | Skipped]:
+        """Take all messages."""
+        while True:
+            heard = self._later.popleft() if self._later else next(self._source, None)
+            if heard is None:
+                break
+            yield from self._hear(heard)
+        yield from self._finish()
+
+    def _hear(self, heard: Heard) -> Iterator[Compared | Skipped]:
         self._clock.set(max(self._clock.now_ns(), round(heard.seconds * 1e9)))
         if self._node is None and self._told:
             self._become(self._told[0].envelope.boot_id, heard.envelope.robot)
         yield from self._say_until(heard.seconds)
         if heard.topic in PICTURES:
-            self._pictures.append(heard)
-            if self._node is not None:
-                self._look(self._node, heard)
+            self._take_picture(heard)
         elif heard.topic is topics.GOAL_EVENT:
             self._events.append(heard)
             self._follow()
@@ -89,7 +111,7 @@ class Run:
             self._lose(node, heard.message)
         yield from self._compare()
 
-    def finish(self) -> Iterator[Compared | Skipped]:
+    def _finish(self) -> Iterator[Compared | Skipped]:
         """Do what is left, and tell of the turns that were not made."""
         yield from self._say_until(float("inf"))
         self._follow()
@@ -102,11 +124,17 @@ class Run:
         if self._node is not None and self._bus is not None and self._bus.boot_id == boot_id:
             return self._node
         self._bus = RecordedBus(robot, boot_id, self._answers)
+        self._bus.answered = self._on_answer
         config = _config(robot, self._told, self._answers)
         self._node = DialogueNode(config, self._bus, self._clock)
         for heard in self._pictures:
             self._look(self._node, heard)
         return self._node
+
+    def _take_picture(self, heard: Heard) -> None:
+        self._pictures.append(heard)
+        if self._node is not None:
+            self._look(self._node, heard)
 
     def _look(self, node: DialogueNode, heard: Heard) -> None:
         if heard.topic is topics.CAMERA_FRAME:
@@ -134,12 +162,43 @@ class Run:
             return
         node = self._become(asked.replier_boot_id, self._bus.robot)
         context = context_of(asked, self._bus.robot)
+        self._turn = asked
+        self._catch_up(asked.began_s)
         if isinstance(request, SayRequest):
             node.say(request, context)
         elif isinstance(request, ConfirmRequest):
             node.confirm(request, context)
         elif isinstance(request, PointRequest):
             node.point(request, context)
+
+    def _on_answer(self, asked: Asked) -> None:
+        """Let time pass until a question of this turn had been answered."""
+        if self._looks and self._looks[0] is asked:
+            self._looks.popleft()
+        self._catch_up(asked.seconds)
+
+    def _catch_up(self, seconds: float) -> None:
+        """Take the pictures that the recorded process had at this point of its turn.
+
+        Which one was the newest is known from the question that is asked about it next.
+        """
+        turn = self._turn
+        if turn is None:
+            return
+        while self._looks and self._looks[0].began_s < turn.began_s:
+            self._looks.popleft()
+        look = self._looks[0] if self._looks and self._looks[0].seconds <= turn.seconds else None
+        stamp_ns = getattr(look.request, "frame_stamp_ns", -1) if look is not None else -1
+        while stamp_ns not in self._seen if look is not None else True:
+            heard = next(self._source, None)
+            if heard is None:
+                return
+            if heard.topic in PICTURES:
+                self._take_picture(heard)
+            else:
+                self._later.append(heard)
+            if look is None and heard.seconds > seconds:
+                return
 
     def _follow(self) -> None:
         """Follow goals, unless a turn is being taken."""
