@@ -133,13 +133,15 @@ def test_a_part_begins_with_what_held_then(desk: Desk, tmp_path: Path, close: bo
 
     path = tmp_path / "session.mcap"
     file = McapFile(path, {})
-    for message in (
-        *(raw_mark("a", 0, SECOND), note("0", True, 2), note("1", True, 2), shown(1, 3)),
-        *(note("0", False, 4), shown(2, 4), raw_mark("b", 1, 5 * SECOND), shown(3, 8)),
-        raw_mark("c", 2, 9 * SECOND),
+    for chunk in (
+        [raw_mark("a", 0, SECOND)],
+        [note("0", True, 2), note("1", True, 2), shown(1, 3)],
+        [note("0", False, 4), shown(2, 4)],
+        [raw_mark("b", 1, 5 * SECOND), shown(3, 8), raw_mark("c", 2, 9 * SECOND)],
     ):
-        file.write(message, message.received_ns)
-        file.flush()  # a chunk each
+        for message in chunk:
+            file.write(message, message.received_ns)
+        file.flush()
     if close:
         file.close()
     else:
