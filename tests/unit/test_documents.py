@@ -121,7 +121,7 @@ def test_every_shown_command_exists_with_its_flags(document: str, words: tuple[s
         return
     verb = (
         words[1:3]
-        if words[1] in ("bench", "evaluate", "train", "scenes", "dialogue")
+        if words[1] in ("bench", "evaluate", "benchmark", "train", "scenes", "dialogue")
         and (len(words) > 2 and not words[2].startswith("-"))
         else words[1:2]
     )
