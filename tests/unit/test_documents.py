@@ -13,6 +13,7 @@ import pytest
 
 from support.documents import ROOT, commands_of, documents
 from w2c.tables import calls_table, streams_table
+from w2c_evaluation.grounding.report import format_table as grounding_table
 from w2c_evaluation.language.report import format_table as language_table
 from w2c_evaluation.perception.report import format_table as perception_table
 from w2c_evaluation.results import results_table
@@ -30,6 +31,8 @@ RESULTS = ROOT / "docs" / "results" / "demo.json"
 PERCEPTION = ROOT / "docs" / "results" / "perception.json"
 CONTROL = ROOT / "docs" / "results" / "control.json"
 LANGUAGE = ROOT / "docs" / "results" / "language.json"
+GROUNDING = ROOT / "docs" / "results" / "grounding.json"
+RECORDING = ROOT / "docs" / "results" / "recording.json"
 UNDERSTANDING = ROOT / "docs" / "results" / "understanding.json"
 CORRECTIONS = ROOT / "docs" / "results" / "corrections.json"
 VOICES = tuple(f".{msgspec.json.decode(line, type=HeldOut).voice}" for line in read_questions([]))
@@ -64,7 +67,15 @@ TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
         lambda: language_table(json.loads(LANGUAGE.read_text())),
     ),
     "corrections": (ROOT / "docs" / "how-to" / "benchmarks.md", corrections_table),
+    "grounding": (
+        ROOT / "docs" / "how-to" / "benchmarks.md",
+        lambda: grounding_table(json.loads(GROUNDING.read_text())),
+    ),
     "understanding": (ROOT / "docs" / "how-to" / "benchmarks.md", understanding_table),
+    "recording": (
+        ROOT / "docs" / "how-to" / "recordings.md",
+        lambda: results_table(json.loads(RECORDING.read_text())),
+    ),
     "streams": (REFERENCE, streams_table),
     "calls": (REFERENCE, calls_table),
     "kinds": (SCENES, kinds_table),
