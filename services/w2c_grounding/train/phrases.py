@@ -120,7 +120,7 @@ def phrases_by_kind(truth: PictureTruth, item: ObjectTruth) -> dict[PhraseKind, 
     if not any(_close(item.colour, o.colour) and item.colour != o.colour for o in truth.objects):
         found["any"].append(f"{item.colour} thing")
     found["any"] += [f"{word} thing" for word in sorted(material_words(item))]
-    return dict(found)
+    return {kind: texts for kind, texts in found.items() if texts}
 
 
 def could_fit(truth: PictureTruth, phrase: str) -> bool:

@@ -224,6 +224,9 @@ def test_two_of_a_kind_are_told_apart_and_any_thing_by_what_it_is_like() -> None
     assert "brush" not in offers["pair"]
     assert set(offers["any"]) == {"red thing", "wood thing", "wooden thing"}
     assert "pair" not in phrases_by_kind(TOOLS, TOOLS.objects[2])
+    # Beside an orange thing nobody agrees which one the red thing is.
+    apples = scene(thing(1, "apple", "red", "apple"), thing(2, "apple", "orange", "apple"))
+    assert "any" not in phrases_by_kind(apples, apples.objects[0])
     assert fitting(TOOLS, "wooden object") == (1,)
     assert fitting(TOOLS, "blue thing") == (2,)
 
