@@ -15,6 +15,7 @@ from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.prompts.ablations import AblationName, ablated
 from w2c_dialogue.prompts.sets import PROMPT_SETS, PromptSetName
+from w2c_dialogue.prompts.single import AskedOnce
 from w2c_dialogue.selector import select
 from w2c_dialogue.sight import look, only, twins
 from w2c_dialogue.utterance import Utterance, parse
@@ -59,7 +60,7 @@ class Predicting:
         Raises:
             ConfigError: the prompt set has nothing that this ablation could take away.
         """
-        self._model = model
+        self._model = AskedOnce(model) if ablation == "single_prompt" else model
         self._grounding = grounding
         self._prompts = ablated(PROMPT_SETS[prompts](), ablation)
 

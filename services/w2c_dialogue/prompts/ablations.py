@@ -23,6 +23,7 @@ from w2c_dialogue.prompts.base import (
     SceneObject,
     schema_of,
 )
+from w2c_dialogue.prompts.single import SinglePrompt
 from w2c_dialogue.utterance import Mention, Utterance
 
 AblationName = Literal["none", "direct_number", "no_reasoning", "zero_shot", "single_prompt"]
@@ -38,25 +39,22 @@ def ablated(prompts: PromptSet, name: AblationName) -> PromptSet:
     """Return a prompt set without an ingredient.
 
     direct_number: the model computes the point itself. no_reasoning: no chain of thought.
-    zero_shot: no examples. single_prompt is not there.
+    zero_shot: no examples. single_prompt: one question for everything (its answers need
+    `single.AskedOnce` around the model).
 
     Raises:
-        ConfigError: the set never had it, or nobody has built the ablation.
+        ConfigError: the set never had it.
     """
     if name == "none":
         return prompts
-    if name == "single_prompt":
-        raise ConfigError(
-            "--ablation single_prompt is not there: one prompt that sees boxes would have to know "
-            "the objects before they are looked for; choose direct_number, no_reasoning or "
-            "zero_shot"
-        )
     if prompts.name != "large":
         raise ConfigError(
             f"--ablation {name}: the prompt set '{prompts.name}' has no examples, no chain of "
-            "thought and no numbers to take away; ablations are for general models (--prompts "
-            "large)"
+            "thought and no numbers to take away, and cannot answer everything at once; ablations "
+            "are for general models (--prompts large)"
         )
+    if name == "single_prompt":
+        return SinglePrompt(prompts)
     changes: dict[str, Change] = {
         "direct_number": direct_number,
         "no_reasoning": no_reasoning,

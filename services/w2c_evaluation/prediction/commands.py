@@ -58,7 +58,8 @@ class PredictionConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Of the language model: above 0, repetitions differ."""
     ablation: Ablation = "none"
     """What is taken out of the prompts of a general model: its examples (zero_shot), its chain of
-    thought (no_reasoning), the parser of its arithmetic (direct_number)."""
+    thought (no_reasoning), the parser of its arithmetic (direct_number), or the split into modules
+    (single_prompt)."""
     seed: Annotated[int, msgspec.Meta(ge=0)] = 0
     """Of the language model's answers, and of points by chance."""
     run_directory: str = ""

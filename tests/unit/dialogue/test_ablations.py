@@ -3,13 +3,17 @@
 import json
 import re
 
+import jsonschema
 import pytest
 
 from w2c.errors import ConfigError
 from w2c.messages import Box
+from w2c_dialogue.expressions import evaluate_point, object_symbols
 from w2c_dialogue.prompts.ablations import AblationName, ablated
 from w2c_dialogue.prompts.base import CorrectionScene, Move, PromptSet, Question, SceneObject
+from w2c_dialogue.prompts.embedded import EmbeddedPrompts
 from w2c_dialogue.prompts.large import LargePrompts
+from w2c_dialogue.prompts.single import EXAMPLES
 from w2c_dialogue.utterance import parse
 from w2c_llm.schema import check_schema
 
@@ -84,10 +88,24 @@ def test_a_direct_number_is_computed_in_the_examples_too() -> None:
     assert system(after["analyze"]) == system(analyze)
 
 
-def test_nothing_is_taken_by_none_and_one_prompt_is_not_there() -> None:
+def test_nothing_is_taken_by_none_and_the_embedded_set_has_nothing_to_take() -> None:
     prompts = LargePrompts()
 
     assert ablated(prompts, "none") is prompts
-    with pytest.raises(ConfigError, match="single_prompt is not there"):
-        ablated(prompts, "single_prompt")
+    with pytest.raises(ConfigError, match="--prompts large"):
+        ablated(EmbeddedPrompts(), "single_prompt")
     assert ablated(prompts, "zero_shot").name == "large, zero_shot"
+
+
+def test_one_prompt_for_everything_has_examples_that_hold() -> None:
+    question = ablated(LargePrompts(), "single_prompt").analyze(SAID)
+    assert question.schema is not None
+    check_schema(question.schema)
+    symbols = object_symbols([CUP.box, CUP.box], 10.0)
+
+    assert len([m for m in question.messages if m.role == "assistant"]) == len(EXAMPLES) == 5
+    for message in question.messages:
+        if message.role == "assistant":
+            answer = json.loads(message.content)
+            jsonschema.validate(answer, question.schema)
+            assert not evaluate_point(answer["x"], answer["y"], symbols, (1280, 720)).clipped

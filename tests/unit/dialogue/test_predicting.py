@@ -87,3 +87,14 @@ def test_a_service_that_is_gone_is_no_answer() -> None:
 def test_an_ablation_of_the_embedded_prompts_is_refused() -> None:
     with pytest.raises(ConfigError, match="--prompts large"):
         Predicting(ScriptedModel(), KnownThings(), ablation="zero_shot")
+
+
+def test_with_a_single_prompt_the_model_is_asked_once() -> None:
+    answer = {"position": "relative", "objects": ["cup"], "x": "a.right+10", "y": "a.v"}
+    model = ScriptedModel(analyze=[answer])
+    predicting = Predicting(model, KnownThings(**THINGS), prompts="large", ablation="single_prompt")
+
+    found = predicting.predict("right of the cup", b"picture", (1280, 720))
+
+    assert found.point == (710.0, 350.0)
+    assert [question.task for question in model.questions] == ["analyze"]

@@ -91,7 +91,10 @@ def _with_mask(pixels: np.ndarray) -> Callable[[Path], None]:
 
 
 def _with_line(text: str) -> Callable[[Path], None]:
-    return lambda folder: (folder / "prompts.jsonl").write_text(LINE % "a" + text) and None
+    def spoil(folder: Path) -> None:
+        (folder / "prompts.jsonl").write_text(LINE % "a" + text)
+
+    return spoil
 
 
 def _cut_short(folder: Path) -> None:

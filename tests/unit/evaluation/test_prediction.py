@@ -73,9 +73,10 @@ class Models:
         if "is at [" not in text:
             position = "relative" if "left of" in text else "absolute"
             value = {"position": position, "objects": [last]}
-        reply = {"text": "", "value": value, "model": "fake", "prompt_tokens": 1}
-        costs = {"reused_tokens": 0, "completion_tokens": 1, "queue_ms": 0.0}
-        return CompleteReply(**reply, **costs, prefill_ms=0.0, decode_ms=0.0)
+        return CompleteReply(
+            text="", value=value, model="fake", prompt_tokens=1, reused_tokens=0,
+            completion_tokens=1, queue_ms=0.0, prefill_ms=0.0, decode_ms=0.0,
+        )  # fmt: skip
 
     def _choose(self, request: ChooseRequest, _: CallContext) -> ChooseReply:
         chances = dict.fromkeys(request.options, 0.0) | {"prediction": 1.0}
