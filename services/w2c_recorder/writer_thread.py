@@ -273,10 +273,19 @@ class WriterThread:
             log.info("recording closed", extra={"path": str(file.path)})
 
     def _drain(self) -> None:
+        """Write what came before now, as far as that takes no longer than a stop may."""
+        asked_ns = time.monotonic_ns()
         deadline = time.monotonic() + DRAIN_TIMEOUT_S
-        while self._file is not None and time.monotonic() < deadline:
+        while self._file is not None:
             received = self._messages.receive(0.0)
-            if received is None:
+            if received is None or received.received_ns > asked_ns:
+                return
+            if time.monotonic() >= deadline:
+                log.error(
+                    "the last %.1f s are not in the recording: the disk or the processor is too "
+                    "slow for what was to be written",
+                    (asked_ns - received.received_ns) * 1e-9,
+                )
                 return
             self._write(received)
 

@@ -1,7 +1,9 @@
 """The writer's thread loses nothing that is queued, and ends a recording without ending itself."""
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
@@ -12,6 +14,7 @@ from w2c.bus import RawReceived
 from w2c.bus.mailbox import Mailbox
 from w2c.errors import RecordingError, RefusedError
 from w2c.messages import MarkRequest
+from w2c_recorder import writer_thread
 from w2c_recorder.mcap_file import McapFile
 from w2c_recorder.reading import Recording
 from w2c_recorder.writer_thread import Limits, WriterThread
@@ -57,6 +60,38 @@ def test_stop_writes_everything_that_was_queued(
     assert texts(path) == sent
     assert (progress.recording, progress.messages, progress.error) == (False, 2000, "")
     assert progress.bytes == path.stat().st_size
+
+
+def test_what_comes_after_a_stop_is_not_waited_for(
+    inbox: Inbox, thread: WriterThread, tmp_path: Path
+) -> None:
+    thread.start(tmp_path / "a.mcap")
+    with patch.object(thread, "_work", lambda: time.sleep(0.01)):  # all of it is left to the stop
+        sent = fill(inbox, 3)
+        inbox.put(raw_mark("late", 3, received_ns=time.monotonic_ns() + 10**12))
+        fill(inbox, 3, first=4)
+        thread.stop()
+
+    assert texts(tmp_path / "a.mcap") == sent
+
+
+def test_what_a_stop_leaves_out_is_told(
+    inbox: Inbox,
+    thread: WriterThread,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setattr(writer_thread, "DRAIN_TIMEOUT_S", 0.0)
+    thread.start(tmp_path / "a.mcap")
+    with patch.object(thread, "_work", lambda: time.sleep(0.01)):
+        thread.describe("barrier", {})  # the thread waits for no message any more
+        inbox.put(raw_mark("a", received_ns=time.monotonic_ns() - 2 * 10**9))
+        thread.stop()
+
+    assert texts(tmp_path / "a.mcap") == []
+    (told,) = [one.getMessage() for one in caplog.records if one.levelname == "ERROR"]
+    assert told.startswith("the last 2.0 s are not in the recording")
 
 
 def test_arrival_is_stamped_in_wall_time(
