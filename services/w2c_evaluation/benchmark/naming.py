@@ -11,6 +11,8 @@ How = Literal["plain", "synonym", "colour", "material", "part", "use"]
 ADJECTIVES = {"wood": "wooden", "wool": "woollen"}
 SIZES = ("large", "small")
 THE_THING = "thing with the "
+CONTENTS = frozenset({"nails", "soap", "milk", "pencils"})
+"""Names of what is inside: it has neither the colour nor the material of the thing"""
 _CLOSE_COLOURS = frozenset(
     frozenset(pair)
     for pair in (
@@ -21,6 +23,14 @@ _CLOSE_COLOURS = frozenset(
     )
 )  # fmt: skip
 """Colours that people draw different borders between"""
+_CLOSE_MATERIALS = frozenset(
+    frozenset(pair)
+    for pair in (
+        ("fabric", "cotton"), ("fabric", "wool"), ("cotton", "wool"), ("paper", "cardboard"),
+        ("ceramic", "stone"), ("ceramic", "glass"), ("plastic", "rubber"), ("wood", "wicker"),
+    )
+)  # fmt: skip
+"""Materials that look alike, or that are called by the same word"""
 
 
 @dataclass(frozen=True)
@@ -44,7 +54,7 @@ def namings(thing: Thing, seen: Sequence[Thing]) -> list[Naming]:
 def told_apart(a: Thing, b: Thing) -> bool:
     """Whether a colour, a material or a size tells two of a kind apart for everybody."""
     by_colour = not _close(a.colour, b.colour)
-    by_material = bool(a.material and b.material and a.material != b.material)
+    by_material = bool(a.material) and _other_material(a, b)
     return by_colour or by_material or bool(_sizes(a)) or bool(_sizes(b))
 
 
@@ -57,6 +67,8 @@ def _named(thing: Thing, others: Sequence[Thing]) -> Iterator[Naming]:
         twins = any(other.kind == thing.kind for other in alike)
         if not alike:
             yield Naming(name, how)
+        if name in CONTENTS:
+            continue
         if all(not _close(thing.colour, other.colour) for other in alike):
             yield Naming(f"{thing.colour} {name}", how, "colour" if twins else "")
         if adjective and all(_other_material(thing, other) for other in alike):
@@ -110,7 +122,8 @@ def _sizes(thing: Thing) -> list[str]:
 
 def _other_material(thing: Thing, other: Thing) -> bool:
     """Whether nobody would say the material of a thing of another one."""
-    return bool(other.material) and other.material != thing.material
+    pair = frozenset((thing.material, other.material))
+    return bool(other.material) and len(pair) == 2 and pair not in _CLOSE_MATERIALS
 
 
 def _close(a: str, b: str) -> bool:

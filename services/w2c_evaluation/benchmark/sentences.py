@@ -35,14 +35,8 @@ REACH_PLACE = ("reach {place}", "touch the spot {place}", "point at the spot {pl
 STEP = ("step", "stand", "put your weight")
 HANDS = ("hand", "hand", "hand", "palm", "arm")
 FEET = ("foot", "foot", "foot", "sole", "leg")
-COURTESIES = (
-    "please {s}",
-    "could you {s}",
-    "{s}, please",
-    "now {s}",
-    "I want you to {s}",
-    "ok, {s}",
-)
+COURTESIES = ("{s}, please", "now {s}", "ok, {s}")
+BEFORE_A_VERB = ("please {s}", "could you {s}", "I want you to {s}")
 
 
 @dataclass(frozen=True)
@@ -81,7 +75,8 @@ def instruct(
     for letter, word in zip("AB", words, strict=False):
         text = text.replace(f"{{{letter}}}", f"the {word}")
     if rng.random() < 0.25:
-        text = str(rng.choice(COURTESIES)).replace("{s}", text)
+        courtesies = COURTESIES + (BEFORE_A_VERB if text.startswith(verb) else ())
+        text = str(rng.choice(courtesies)).replace("{s}", text)
     return Sentence(_written(text, rng), verb, f"{side}_{limb}", task)
 
 
@@ -93,7 +88,7 @@ def _clause(
     if task == "reach":
         pattern = str(rng.choice(REACH if relation == "on" else REACH_PLACE))
         action = pattern.replace("{place}", place)
-        verb = action.split(" the ")[0].split(" {")[0]
+        verb = pattern.partition(" the spot")[0].partition(" {")[0]
         forms = (f"{action} with {member}", f"with {member}, {action}", f"{action} using {member}")
         return verb, forms[int(order * 3)]
     if limb == "foot" and order < 0.4:

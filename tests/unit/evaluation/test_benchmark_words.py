@@ -71,6 +71,7 @@ def test_colours_that_people_confuse_tell_nothing_apart() -> None:
 def test_a_material_tells_apart_what_has_one_colour() -> None:
     other = thing("mug", ("cup", "mug"), "red", material="metal")
 
+    assert texts(MUG, thing("mug", ("cup", "mug"), "red", material="glass")) == {}
     assert texts(MUG, other) == {"ceramic cup": "plain", "ceramic mug": "synonym",
                                  "ceramic thing": "material"}  # fmt: skip
 
@@ -90,6 +91,13 @@ def test_the_head_of_a_name_decides_what_else_could_be_meant() -> None:
 def test_a_use_is_said_only_where_one_thing_serves_it() -> None:
     assert "thing you drink coffee from" not in texts(MUG, GLASS)
     assert texts(MUG, BOOK)["thing you drink coffee from"] == "use"
+
+
+def test_what_is_inside_has_not_the_colour_of_the_thing() -> None:
+    box = thing("nail_box", ("nail box", "nails"), "red", material="cardboard")
+
+    assert {"nails", "red nail box", "cardboard nail box"} <= set(texts(box, BOOK))
+    assert not {"red nails", "cardboard nails"} & set(texts(box, BOOK))
 
 
 def test_a_part_is_said_where_it_is_unique() -> None:
@@ -120,7 +128,9 @@ def test_a_sentence_names_the_things_and_the_limb(relation: str, limb: str, task
         assert not set("{}") & set(said.text)
         assert said.text.lower().count(said.end_effector.partition("_")[0]) >= 1
         assert said.end_effector.endswith(limb)
-        assert said.verb.split()[0] in said.text.lower()
+        assert said.verb in said.text.lower()
+        assert "{" not in said.verb and len(said.verb.split()) <= 3
+        assert "you to using" not in said.text and "you using" not in said.text
 
 
 def test_slots_are_balanced_in_both_halves() -> None:
