@@ -8,15 +8,23 @@ recorded outputs how the one that it made differs from it, or why it could not m
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, TypeVar, cast
 
+import msgspec
+
+from w2c import topics
 from w2c.bus import Envelope, Input
+from w2c.config import ServiceConfig
 from w2c.difference import Difference
-from w2c.errors import ConfigError
+from w2c.errors import ConfigError, RecordingError
 from w2c.messages import Message
 from w2c.topics import Topic
 
+C = TypeVar("C", bound=ServiceConfig)
+
 GROUP = "w2c.through"
+CONFIGURATION = "configuration"
+"""Fact of a process: see `w2c.facts`"""
 
 
 @dataclass(frozen=True)
@@ -119,6 +127,26 @@ class Through(Protocol):
         Raises:
             RecordingError: what the service must know is not in the recording.
         """
+
+
+def configuration(session: Session, service: str, config_type: type[C]) -> C:
+    """Return what a process ran with, as its health reports tell; the defaults where none does.
+
+    Raises:
+        RecordingError: it told something that this version does not understand.
+    """
+    robot = "recorded"
+    for heard in session.heard(topics.HEALTH):
+        robot, health = heard.envelope.robot, heard.message
+        if health.service != service or CONFIGURATION not in health.facts:
+            continue
+        try:
+            return msgspec.json.decode(health.facts[CONFIGURATION], type=config_type)
+        except msgspec.DecodeError as error:
+            raise RecordingError(
+                f"{service} ran with a configuration that this version does not understand: {error}"
+            ) from error
+    return config_type(robot=robot)
 
 
 def through(service: str) -> Through:

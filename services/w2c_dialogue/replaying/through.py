@@ -10,25 +10,21 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-import msgspec
-
 from w2c import topics
 from w2c.bus import Input, Received
 from w2c.clock import StepClock
 from w2c.difference import INFINITE, Difference, differences
 from w2c.messages import (
     AllowedAreaRequest,
-    CompleteRequest,
     ConfirmRequest,
     HeightFieldRequest,
     PointRequest,
     SayRequest,
     Turn,
 )
-from w2c.through import Asked, Compared, Heard, Session, Skipped
+from w2c.through import Asked, Compared, Heard, Session, Skipped, configuration
 from w2c_dialogue.config import DialogueConfig
 from w2c_dialogue.node import DialogueNode
-from w2c_dialogue.prompts.sets import PROMPT_SETS
 from w2c_dialogue.replaying.recorded_bus import RecordedBus, context_of
 
 TOLERANCE = 1e-9
@@ -51,7 +47,8 @@ def through(session: Session, tolerance: float | None) -> Iterator[Compared | Sk
     said = sorted(session.asked("dialogue"), key=lambda asked: asked.began_s)
     told = list(session.heard(topics.TURN))
     limit = TOLERANCE if tolerance is None else tolerance
-    yield from Run(session.heard(*ROWS), answers, said, told, limit).play()
+    config = configuration(session, "dialogue", DialogueConfig)
+    yield from Run(config, session.heard(*ROWS), answers, said, told, limit).play()
 
 
 class Run:
@@ -59,12 +56,14 @@ class Run:
 
     def __init__(
         self,
+        config: DialogueConfig,
         source: Iterator[Heard],
         answers: Sequence[Asked],
         said: Sequence[Asked],
         told: Sequence[Heard],
         tolerance: float,
     ) -> None:
+        self._config = config
         self._source = source
         self._later: deque[Heard] = deque()
         """Read and not yet taken: what came while a turn was taken"""
@@ -125,8 +124,7 @@ class Run:
             return self._node
         self._bus = RecordedBus(robot, boot_id, self._answers)
         self._bus.answered = self._on_answer
-        config = _config(robot, self._told, self._answers)
-        self._node = DialogueNode(config, self._bus, self._clock)
+        self._node = DialogueNode(self._config, self._bus, self._clock)
         for heard in self._pictures:
             self._look(self._node, heard)
         return self._node
@@ -240,16 +238,6 @@ class Run:
                 *(f"asked, and not in the recording: {one}" for one in unknown),
             ]
             yield Compared(TURN, what, seconds, found, self._tolerance, made_of if found else ())
-
-
-def _config(robot: str, told: Sequence[Heard], answers: Sequence[Asked]) -> DialogueConfig:
-    """Return the flags of the recorded process, as far as the recording tells them."""
-    config = DialogueConfig(robot=robot)
-    named = [one.message.evidence.prompts for one in told if one.message.evidence is not None]
-    if named and named[0] in PROMPT_SETS:
-        config = msgspec.structs.replace(config, prompts=named[0])
-    seeds = [one.request.seed for one in answers if isinstance(one.request, CompleteRequest)]
-    return msgspec.structs.replace(config, seed=seeds[0]) if seeds else config
 
 
 def _received(heard: Heard) -> Received[Any]:

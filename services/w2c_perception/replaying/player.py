@@ -25,15 +25,14 @@ from w2c_perception.track import RobotTrack
 class Player:
     """One perception that follows one robot process."""
 
-    def __init__(self, description: RobotDescription, name: str, robot: str) -> None:
+    def __init__(self, config: PerceptionConfig, description: RobotDescription, robot: str) -> None:
         """Begin with nothing seen.
 
         Args:
+            config: Of the recorded process.
             description: Of the robot.
-            name: Of it, on the keys.
             robot: Boot id.
         """
-        config = PerceptionConfig(robot=name)
         self._memory = PictureMemory(config.history, config.max_frames, config.unpacked_frames)
         self._memory.forget(robot)
         self._robot = robot

@@ -1,7 +1,7 @@
 """`w2c replay FILE --through perception`: where pictures were taken from, and what was lifted.
 
 Perception takes a part of the states only; a view names those that it took, so that the same ones
-can be taken again. Flags are the defaults: those that it ran with are not recorded.
+can be taken again.
 """
 
 from collections import deque
@@ -11,7 +11,8 @@ from w2c import topics
 from w2c.difference import INFINITE, Difference, differences
 from w2c.errors import GeometryError, RefusedError
 from w2c.messages import CameraView, ControllerStatus, RobotDescription, RobotState
-from w2c.through import Asked, Compared, Heard, Session, Skipped
+from w2c.through import Asked, Compared, Heard, Session, Skipped, configuration
+from w2c_perception.config import PerceptionConfig
 from w2c_perception.node import STATUS_AGE_NS
 from w2c_perception.replaying.player import Player
 
@@ -33,7 +34,8 @@ def through(session: Session, tolerance: float | None) -> Iterator[Compared | Sk
         if isinstance(asked.reply, RobotDescription)
     }
     calls = deque(session.asked("perception"))
-    run = Run(descriptions, TOLERANCE if tolerance is None else tolerance)
+    config = configuration(session, "perception", PerceptionConfig)
+    run = Run(config, descriptions, TOLERANCE if tolerance is None else tolerance)
     for heard in session.heard(*ROWS):
         while calls and calls[0].seconds < heard.seconds:
             run.waiting.append(calls.popleft())
@@ -46,7 +48,13 @@ def through(session: Session, tolerance: float | None) -> Iterator[Compared | Sk
 class Run:
     """Goes through views and calls in the order of the recording."""
 
-    def __init__(self, descriptions: dict[str, RobotDescription], tolerance: float) -> None:
+    def __init__(
+        self,
+        config: PerceptionConfig,
+        descriptions: dict[str, RobotDescription],
+        tolerance: float,
+    ) -> None:
+        self._config = config
         self._descriptions = descriptions
         self._tolerance = tolerance
         self.waiting: deque[Heard | Asked] = deque()
@@ -116,7 +124,7 @@ class Run:
             return Skipped(VIEW, heard.seconds, why_not)
         if self._player is None:
             description = self._descriptions[self._robot]
-            self._player = Player(description, heard.envelope.robot, self._robot)
+            self._player = Player(self._config, description, self._robot)
         player = self._player
         for tick in view.state_ticks:
             self._take(player, self._states[tick])

@@ -1,0 +1,1 @@
+"""A vision model asked again what it was asked in a recording."""
