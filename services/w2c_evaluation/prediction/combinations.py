@@ -2,7 +2,8 @@
 
 A name is one of a file of models (TOML: `[llm.NAME]` and `[vision.NAME]`, flags of `w2c llm` and
 `w2c grounding`; `prompts` chooses the prompt set), `embedded`, a GGUF file or `openai:MODEL` for a
-language model, and anything that `w2c grounding --model` takes for vision.
+language model, and anything that `w2c grounding --model` takes for vision. `truth` is the folder's
+own boxes and areas.
 """
 
 import hashlib

@@ -8,7 +8,7 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import msgspec
 
@@ -135,10 +135,19 @@ class Vision:
         return self._known[key]
 
 
+class Eye(Protocol):
+    """Anything that finds phrases in pictures."""
+
+    name: str
+
+    def ground(self, picture: bytes, phrases: Sequence[str], want: str) -> list[PhraseEvidence]:
+        """Return what is seen of each phrase."""
+
+
 class Eyes:
     """A detector for boxes and a segmenter for heatmaps, as the dialogue's modules ask them."""
 
-    def __init__(self, detector: Vision, segmenter: Vision) -> None:
+    def __init__(self, detector: Eye, segmenter: Eye) -> None:
         self._detector = detector
         self._segmenter = segmenter
 

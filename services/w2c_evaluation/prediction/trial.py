@@ -13,7 +13,8 @@ from w2c_evaluation.benchmark.dataset import Item
 from w2c_evaluation.benchmark.record import POSITIONS
 from w2c_evaluation.prediction.combinations import Combination, ModelSpec
 from w2c_evaluation.prediction.judging import Answer, accepts, first_error
-from w2c_evaluation.prediction.services import Eyes, Language, Vision, service
+from w2c_evaluation.prediction.services import Eye, Eyes, Language, Vision, service
+from w2c_evaluation.prediction.true_vision import NAME, TrueVision
 
 RANDOM_REPETITIONS = 101
 """Of points by chance: they cost nothing"""
@@ -56,7 +57,7 @@ def run(
         CallError: a service is gone.
     """
     with ExitStack() as kept:
-        eyes: dict[str, Vision | W2CError] = {}
+        eyes: dict[str, Eye | W2CError] = {}
         for llm in dict.fromkeys(one.llm.digest for one in combinations):
             group = [one for one in combinations if one.llm.digest == llm]
             missing = [one for one in group if _missing(one, items, options, done)]
@@ -69,7 +70,7 @@ def _of_language_model(
     items: Sequence[Item],
     options: Options,
     done: Collection[Key],
-    eyes: dict[str, Vision | W2CError],
+    eyes: dict[str, Eye | W2CError],
     kept: ExitStack,
 ) -> Iterator[Answer | Absent]:
     with ExitStack() as stack:
@@ -81,7 +82,9 @@ def _of_language_model(
             return
         language = Language(bus, temperature=options.temperature)
         for one in group:
-            detector, segmenter = (_see(spec, eyes, kept) for spec in (one.detector, one.segmenter))
+            detector, segmenter = (
+                _see(spec, items, eyes, kept) for spec in (one.detector, one.segmenter)
+            )
             lost = next((e for e in (detector, segmenter) if isinstance(e, W2CError)), None)
             if isinstance(detector, W2CError) or isinstance(segmenter, W2CError):
                 yield Absent(one, str(lost))
@@ -94,6 +97,9 @@ def _of_language_model(
             )
             for repetition, item in _missing(one, items, options, done):
                 language.seed = options.seed + repetition
+                for eye in (detector, segmenter):
+                    if isinstance(eye, TrueVision):
+                        eye.item = item
                 yield ask(predicting, one, item, repetition)
 
 
@@ -158,11 +164,16 @@ def _missing(
     ]
 
 
-def _see(spec: ModelSpec, eyes: dict[str, Vision | W2CError], kept: ExitStack) -> Vision | W2CError:
+def _see(
+    spec: ModelSpec, items: Sequence[Item], eyes: dict[str, Eye | W2CError], kept: ExitStack
+) -> Eye | W2CError:
     """Return a vision model, loaded once, or why it cannot be loaded."""
     if spec.digest not in eyes:
         try:
-            eyes[spec.digest] = Vision(kept.enter_context(service("grounding_service", spec)))
+            if spec.name == NAME:
+                eyes[spec.digest] = TrueVision(items)
+            else:
+                eyes[spec.digest] = Vision(kept.enter_context(service("grounding_service", spec)))
         except W2CError as error:
             _refuse_missing_extra(error)
             eyes[spec.digest] = type(error)(f"{spec.name}: {error}")

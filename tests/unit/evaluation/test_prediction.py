@@ -221,6 +221,24 @@ def test_a_model_that_is_not_there_leaves_the_others(
     assert rows_of(dataset)["a + embedded", "success.overall"]["n"] == 4
 
 
+@pytest.mark.usefixtures("no_pictures")
+def test_true_boxes_leave_only_words_to_be_misunderstood(
+    dataset: Path, models: Models, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flags = ("--llm", "a.gguf", "--detector", "truth", "--segmenter", "truth")
+
+    assert run(dataset, *flags) == 0
+    rows = rows_of(dataset)
+    assert rows["a + truth", "success.absolute"]["value"] == 1.0
+    assert rows["a + truth", "error.expression"]["value"] == 0.25
+    assert models.loaded == ["a"]
+    lines = (dataset / "prompts.jsonl").read_text().splitlines()
+    bare = [{k: v for k, v in json.loads(line).items() if k != "things"} for line in lines]
+    (dataset / "prompts.jsonl").write_text("\n".join(json.dumps(line) for line in bare))
+    assert run(dataset, *flags) == 1
+    assert "on and 3 more have no `things`" in capsys.readouterr().out
+
+
 def test_a_dataset_with_faults_is_refused(dataset: Path, models: Models) -> None:
     (dataset / "masks" / "on.png").unlink()
 
