@@ -37,6 +37,7 @@ from w2c_dialogue.steps import Services, Steps
 from w2c_dialogue.stop_words import is_stop
 from w2c_dialogue.targeting import Targeting
 from w2c_dialogue.utterance import Utterance, parse
+from w2c_dialogue.yes_but import asks_for_more
 
 FRAME_WAIT_S = 2.0
 """A picture the operator saw, or its camera pose, may still be on its way, on a slow machine
@@ -158,14 +159,15 @@ class Dialogue:
         selection = select(services, self._prompts, utterance, has_target=has_target)
         unsure = has_target and selection.margin < self._ask_margin
         perhaps_yes = unsure and selection.next_best == "confirmation"
-        if perhaps_yes or (selection.module == "confirmation" and not selection.sure):
+        says_yes = selection.module == "confirmation"
+        if perhaps_yes or (says_yes and (not selection.sure or asks_for_more(utterance))):
             return Outcome(
                 "none",
                 "Did you mean yes? Say 'yes, go there' or press Confirm; or tell me what to "
                 "change.",
                 ok=False,
             )
-        if selection.module == "confirmation":
+        if says_yes:
             return self._confirm(request.target_id, services)
         frame = self._frames.find(request.frame_stamp_ns, request.robot_boot_id, FRAME_WAIT_S)
         if unsure:

@@ -105,6 +105,26 @@ def test_an_unsure_yes_is_asked_about() -> None:
     assert not world.controller.goals
 
 
+@pytest.mark.parametrize(
+    "text", ["yeah, good, but bring it down", "Yes if you stay off the rim", "fine, 2 cm lower"]
+)
+def test_a_yes_that_asks_for_more_is_asked_about_however_sure_the_model_is(text: str) -> None:
+    world = World(select=["prediction", ("confirmation", 0.99)], **first_words())
+    world.say(FIRST)
+    turn = world.say(text)
+    assert not turn.ok
+    assert "Did you mean yes?" in turn.reply
+    assert not world.controller.goals
+
+
+@pytest.mark.parametrize("text", ["that's all right, go there", "yes lean on it, please"])
+def test_a_plain_yes_in_more_words_is_a_yes(text: str) -> None:
+    world = World(select=["prediction", ("confirmation", 0.99)], **first_words())
+    world.say(FIRST)
+    assert world.say(text).ok
+    assert world.controller.goals
+
+
 def test_confirm_without_any_target_says_what_to_do() -> None:
     world = World()
     turn = world.dialogue.confirm(ConfirmRequest(target_id="target-x-1"))
