@@ -50,7 +50,7 @@ class Offer:
 def offer(sight: Sight, slot: Slot, rng: np.random.Generator) -> Offer | None:
     """Return a prompt of a slot about a picture; None where there is none."""
     clear = sight.clear()
-    whole = [thing for thing in clear if not sight.cut_off(thing)]
+    whole = [thing for thing in clear if not (sight.cut_off(thing) or sight.hidden(thing))]
     for index in rng.permutation(len(whole)):
         thing = whole[int(index)]
         if slot.pair and not has_twin(thing, clear):

@@ -16,12 +16,14 @@ RELATIONS: dict[str, tuple[str, ...]] = {
     "front": ("in front of {A}", "just in front of {A}", "before {A}"),
     "next": ("next to {A}", "beside {A}", "close to {A}", "near {A}", "right next to {A}"),
     "between": ("between {A} and {B}", "in between {A} and {B}", "halfway between {A} and {B}"),
-    "end_left": ("on the left side of {A}", "on the left end of {A}", "on the left part of {A}"),
-    "end_right": (
-        "on the right side of {A}", "on the right end of {A}", "on the right part of {A}",
+    "end_left": (
+        "on the left end of {A}", "on the left edge of {A}", "on the left part of {A}",
     ),
-    "end_front": ("on the near side of {A}", "on the front part of {A}"),
-    "end_behind": ("on the far side of {A}", "on the back part of {A}"),
+    "end_right": (
+        "on the right end of {A}", "on the right edge of {A}", "on the right part of {A}",
+    ),
+    "end_front": ("on the near edge of {A}", "on the front part of {A}"),
+    "end_behind": ("on the far edge of {A}", "on the back part of {A}"),
     "measured_left": ("{cm} cm to the left of {A}", "about {cm} centimeters left of {A}"),
     "measured_right": ("{cm} cm to the right of {A}", "about {cm} centimeters right of {A}"),
 }  # fmt: skip

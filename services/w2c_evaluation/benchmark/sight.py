@@ -15,6 +15,9 @@ Mask = npt.NDArray[np.bool_]
 ROBOT = 255
 HINTED_SHARE = 0.00003
 """Of the picture: what shows less is not seen by anybody (28 pixels of 1280 x 720)"""
+LEAST_SEEN = 0.55
+"""Of the outline of a thing that is spoken of. The outline is that of its box: a round thing, or
+one that lies askew, fills less of it"""
 CLEAR_SHARE = 0.0012
 """What shows less is not spoken of (1106 pixels of 1280 x 720)"""
 
@@ -101,6 +104,10 @@ class Sight:
     world: npt.NDArray[np.float32]
     """(h, w, 3) point of the world behind each pixel [m]; NaN where it is not known"""
     things: tuple[Thing, ...]
+    intrinsics: tuple[float, float, float, float]
+    """fx, fy, cx, cy [px]"""
+    world_from_camera: npt.NDArray[np.float64]
+    """(4, 4) of the optical frame"""
 
     @property
     def pixels(self) -> int:
@@ -122,6 +129,15 @@ class Sight:
         height, width = self.identity.shape
         return left <= 0 or top <= 0 or right >= width or bottom >= height
 
+    def hidden(self, thing: Thing) -> bool:
+        """Whether what is seen of a thing says little of where it is: others are in front."""
+        fx, fy, cx, cy = self.intrinsics
+        in_camera = (thing.corners - self.world_from_camera[:3, 3]) @ self.world_from_camera[:3, :3]
+        u = fx * in_camera[:, 0] / in_camera[:, 2] + cx
+        v = fy * in_camera[:, 1] / in_camera[:, 2] + cy
+        left, top, right, bottom = thing.edges
+        return bool((right - left) * (bottom - top) < LEAST_SEEN * np.ptp(u) * np.ptp(v))
+
     def free_surface(self, height_m: float, tolerance_m: float = 0.015) -> Mask:
         """Return where the level surface of a height is seen, with nothing on it (h, w)."""
         level = np.abs(self.world[:, :, 2] - height_m) < tolerance_m
@@ -137,6 +153,8 @@ def sight_of(picture: Any) -> Sight:
         picture.identity,
         world_points(picture.depth, truth.intrinsics, np.asarray(truth.world_from_camera)),
         truth.objects,
+        truth.intrinsics,
+        np.asarray(truth.world_from_camera),
     )
 
 

@@ -120,6 +120,20 @@ def test_an_end_of_a_thing_is_two_fifths_of_it(sight: Sight, side: str, place: i
     assert found[axis + 2] - found[axis] == pytest.approx(0.4 * whole, abs=1)
 
 
+def test_what_others_hide_or_the_picture_cuts_is_known() -> None:
+    picture = picture_of([BOOK, MUG])
+    picture.truth["objects"][1]["box"][2] -= 14
+
+    seen = sight_of(picture)
+    book, mug = things(seen)
+
+    assert seen.hidden(book) and not seen.hidden(mug)
+    assert not seen.cut_off(book)
+    assert sight_of(picture_of([Lying("book", "red", 6, 90)])).cut_off(
+        things_of(sight_of(picture_of([Lying("book", "red", 6, 90)])), "book")
+    )
+
+
 def test_nothing_is_free_where_the_robot_or_another_thing_is(sight: Sight) -> None:
     picture = picture_of([BOOK, Lying("box", "green", 95, 90, (0.16, 0.05, 0.03))])
     picture.identity[:, 60:80] = 255
