@@ -39,13 +39,13 @@ NO_NAMES = (
     NEVER_FIRST
     | NEVER_LAST
     | {
-        "again", "back", "bit", "bottom", "center", "centimeters", "centimetres", "centre",
-        "closer", "cm", "corner", "direction", "double", "downward", "downwards", "edge",
-        "far", "farther", "finger", "fingers", "front", "half", "hand", "hands", "higher", "inch",
-        "inches", "left", "leftward", "leftwards", "little", "lot", "lower", "middle", "much",
-        "near", "nearer", "other", "right", "rightward", "rightwards", "same", "side", "sides",
-        "slightly", "tad", "that", "this", "top", "touch", "twice", "upward", "upwards", "way",
-        "width",
+        "again", "back", "bit", "bottom", "breadth", "center", "centimeters", "centimetres",
+        "centre", "closer", "cm", "corner", "direction", "double", "downward", "downwards", "edge",
+        "far", "farther", "finger", "finger's", "fingers", "fist", "front", "half", "hand",
+        "hand's", "hands", "higher", "inch", "inches", "left", "leftward", "leftwards", "little",
+        "lot", "lower", "middle", "much", "near", "nearer", "other", "right", "rightward",
+        "rightwards", "same", "side", "sides", "slightly", "tad", "that", "this", "thumb",
+        "thumb's", "top", "touch", "twice", "upward", "upwards", "way", "width",
     }
 )  # fmt: skip
 """No name is made of these alone: directions, amounts, parts of a thing, and all of the above"""

@@ -113,7 +113,7 @@ def _report(
 ) -> int:
     """Write and print everything; return the exit status."""
     document = make_results("corrections", config.seed, make_rows(sessions))
-    document |= {"boxes": config.boxes, "model": config.model or "embedded"}
+    document |= {"boxes": config.boxes, "model": Path(config.model).name or "embedded"}
     write_results(document, Path(config.json) if config.json else directory / "results.json")
     mark = " with boxes from truth" if config.boxes == "truth" else ""
     tables = f"# Corrections{mark}\n\n{format_tables(sessions)}\n\n{origin(document)}\n"

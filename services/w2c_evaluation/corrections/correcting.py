@@ -104,7 +104,7 @@ class _Moving:
     def along_one_axis(self) -> Iterator[Saying]:
         """Yield moves across or down."""
         texts, pick = self._texts, self._speaking.chooser.pick
-        words = self._speaking.voice.words
+        words, scale = self._speaking.voice.words, self._speaking.look.pixels_per_cm
         for axis in (0, 1):
             sign, to = self._way(axis)
             for amount in SAID_AMOUNTS:
@@ -120,7 +120,7 @@ class _Moving:
             plain = _along(axis, sign * self._beliefs.pixels("plain"))
             meaning = f"plain {axis} {sign}"
             yield self.said("plain", meaning, plain, texts.plain, belief="plain", to=to)
-            for length, pixels in self._speaking.lengths(abs(self._error[axis])):
+            for length, pixels in self._speaking.lengths(abs(self._error[axis]), scale):
                 yield self.said(
                     "length",
                     f"length {length} {axis} {sign}",

@@ -28,6 +28,8 @@ class Thing:
     right: float
     bottom: float
     """Of what is visible of it [px]"""
+    pixels_per_cm: float
+    """How long a centimetre looks there"""
     furniture: bool = False
 
     @property
@@ -51,7 +53,7 @@ class Look:
     """The wanted place"""
     things: tuple[Thing, ...]
     pixels_per_cm: float
-    """A person tells it from the size of known things, as inexactly as any length"""
+    """At the ring. A person tells it from the size of known things, as inexactly as any length"""
 
     @property
     def inside(self) -> bool:

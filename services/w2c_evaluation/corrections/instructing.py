@@ -74,13 +74,13 @@ class Speaking:
         number = spelled(centimetres) if self.voice.spell_numbers else str(centimetres)
         return self.chooser.pick(self.voice.words.centimetres).format(n=number)
 
-    def lengths(self, pixels: float) -> Iterator[tuple[str, float]]:
+    def lengths(self, pixels: float, scale: float) -> Iterator[tuple[str, float]]:
         """Yield words for lengths that may be as long as something is, and how long they are.
 
         Args:
             pixels: As long as it seems.
+            scale: How long a centimetre looks there [px].
         """
-        scale = self.look.pixels_per_cm
         for text, centimetres in self.voice.words.lengths.items():
             yield text, centimetres * scale
         number = round(pixels / scale)
@@ -136,7 +136,6 @@ def _parts(speaking: Speaking, thing: Thing, name: str) -> Iterator[Saying]:
 
 def _beside(speaking: Speaking, thing: Thing, name: str) -> Iterator[Saying]:
     """Yield places around a thing."""
-    scale = speaking.look.pixels_per_cm
     for side, (across, down) in AWAY.items():
         border = thing.at(0.5 + 0.5 * across, 0.5 + 0.5 * down)
         out_u, out_v = speaking.eye.offset(border, speaking.look.ring)
@@ -144,10 +143,10 @@ def _beside(speaking: Speaking, thing: Thing, name: str) -> Iterator[Saying]:
         if gap <= 0.0:
             continue
         text = speaking.chooser.pick(speaking.voice.words.beside[side])
-        usual = BESIDE_CM * scale
+        usual = BESIDE_CM * thing.pixels_per_cm
         place = border[0] + across * usual, border[1] + down * usual
         yield _place(speaking, "beside", thing, name, place, which=side, beside=text)
-        for length, pixels in speaking.lengths(gap):
+        for length, pixels in speaking.lengths(gap, thing.pixels_per_cm):
             place = border[0] + across * pixels, border[1] + down * pixels
             yield _place(
                 speaking,

@@ -97,13 +97,22 @@ class Picture:
     def things(self) -> tuple[Thing, ...]:
         """What a person could name, by names that fit nothing else in sight."""
         visible = self.visible
-        found = [_thing(one, [o for o in visible if o is not one]) for one in visible]
+        found = [
+            _thing(one, [other for other in visible if other is not one], self._scale_of(one))
+            for one in visible
+        ]
         return tuple(thing for thing in found if thing is not None)
 
     def pixels_per_cm(self, pixel: Pixel) -> float:
         """Return how long a centimetre looks at a place [px]; 10 where its depth is not known."""
         z = float(self.depth[int(pixel[1]), int(pixel[0])])
         return 0.01 * self.truth.intrinsics[0] / z if z > 0.0 else 10.0
+
+    def _scale_of(self, one: TrueThing) -> float:
+        """Return how long a centimetre looks on a thing [px]."""
+        rows, columns = np.nonzero(self.identity == one.id)
+        middle = len(rows) // 2
+        return self.pixels_per_cm((float(columns[middle]), float(rows[middle])))
 
     def draw_ring(self, rng: np.random.Generator) -> Pixel | None:
         """Return a place on a thing or on what things stand on; None: there is none."""
@@ -144,7 +153,7 @@ def read_picture(directory: Path, seed: int) -> Picture:
     return Picture(seed, directory, truth)
 
 
-def _thing(one: TrueThing, others: list[TrueThing]) -> Thing | None:
+def _thing(one: TrueThing, others: list[TrueThing], scale: float) -> Thing | None:
     """Return what a person sees of an object; None: nothing that others are not called, too."""
     taken = {name for other in others for name in _names(other)}
     plain = [name for name in one.names if name not in taken]
@@ -159,6 +168,7 @@ def _thing(one: TrueThing, others: list[TrueThing]) -> Thing | None:
         float(top),
         float(right),
         float(bottom),
+        pixels_per_cm=scale,
         furniture=not one.movable,
     )
 

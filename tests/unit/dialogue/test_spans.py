@@ -57,6 +57,7 @@ def test_words_around_a_thing_are_not_part_of_its_name(text: str, name: str) -> 
         "further to the right, dear",
         "twice as much in the same direction",
         "back down a touch",
+        "a thumb's width up",
     ],
 )
 def test_directions_and_amounts_name_nothing(text: str) -> None:

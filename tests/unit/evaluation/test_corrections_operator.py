@@ -11,8 +11,9 @@ from w2c.errors import ConfigError
 from w2c.messages import Box, Evidence, Sighting, Turn
 from w2c_evaluation.corrections.correcting import Beliefs
 from w2c_evaluation.corrections.eye import DOT_PX, ERROR, RING_PX, Eye, Look, Pixel, Thing, distance
+from w2c_evaluation.corrections.instructing import Speaking, instructions
 from w2c_evaluation.corrections.operator import Operator, Seen
-from w2c_evaluation.corrections.saying import Saying, spelled
+from w2c_evaluation.corrections.saying import Chooser, Saying, spelled
 from w2c_evaluation.corrections.trial import MOST_PROMPTS
 from w2c_evaluation.corrections.voice import (
     FEWEST_PHRASINGS,
@@ -22,9 +23,11 @@ from w2c_evaluation.corrections.voice import (
     voice_names,
 )
 
-BOOK = Thing(("book", "hardcover", "blue book", "blue hardcover"), 2, 500.0, 300.0, 760.0, 480.0)
-MUG = Thing(("mug", "red mug"), 1, 900.0, 200.0, 980.0, 290.0)
-TABLE = Thing(("table",), 1, 0.0, 150.0, 1280.0, 720.0, furniture=True)
+BOOK = Thing(
+    ("book", "hardcover", "blue book", "blue hardcover"), 2, 500.0, 300.0, 760.0, 480.0, 10.0
+)
+MUG = Thing(("mug", "red mug"), 1, 900.0, 200.0, 980.0, 290.0, 5.0)
+TABLE = Thing(("table",), 1, 0.0, 150.0, 1280.0, 720.0, 8.0, furniture=True)
 LOOK = Look(None, (800.0, 420.0), (BOOK, MUG, TABLE), 10.0)
 UNSPEAKABLE = re.compile(r"\bpx\b|pixel|coordinate", re.IGNORECASE)
 
@@ -246,6 +249,18 @@ def test_a_question_is_dropped_only_where_no_dot_would_be_lost() -> None:
     words = {operator.drop(LOOK) for _ in range(30)} - {None}
     assert words
     assert words <= set(read_voice("carpenter").words.cancel)
+
+
+def test_centimetres_are_as_long_as_they_look_at_the_thing_that_is_named() -> None:
+    look = replace(LOOK, ring=(800.0, 245.0), things=(MUG,))
+    speaking = Speaking(
+        read_voice("carpenter"),
+        look,
+        Eye(np.random.default_rng(0), 0.0),
+        Chooser(np.random.default_rng(0)),
+    )
+    texts = {one.text for one in instructions(speaking) if one.kind == "beside_length"}
+    assert any("20 c" in text and "left" in text for text in texts), texts
 
 
 def test_numbers_in_words() -> None:
