@@ -12,6 +12,7 @@ from w2c_grounding.clip_surgery import (
     SURGERY_BLOCKS,
     TEMPLATES,
     ClipSurgery,
+    ClipSurgeryContext,
     surgery_tokens,
     value_attention,
 )
@@ -133,6 +134,12 @@ def test_a_picture_without_contrast_is_an_answer(surgery: ClipSurgery) -> None:
     for evidence in surgery.query(surgery.prepare(grey), ["red cup", "unheard " * 100]):
         assert np.isfinite(evidence.heatmap).all()
         assert 0.0 <= evidence.heatmap.min() <= evidence.heatmap.max() <= 1.0
+
+
+def test_patches_that_are_all_alike_are_an_answer(surgery: ClipSurgery) -> None:
+    alike = ClipSurgeryContext(160, 90, torch.full((4, 4, 32), 32**-0.5))
+    (evidence,) = surgery.query(alike, ["red cup"])
+    assert not evidence.heatmap.any()
 
 
 def test_the_input_size_sets_how_many_patches_are_seen(clip_checkpoint: Path) -> None:
