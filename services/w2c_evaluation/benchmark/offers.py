@@ -55,7 +55,7 @@ def offer(sight: Sight, slot: Slot, rng: np.random.Generator) -> Offer | None:
         thing = whole[int(index)]
         if slot.pair and not has_twin(thing, clear):
             continue
-        name = _choose_name(namings(thing, sight.seen()), slot, pair=slot.pair, rng=rng)
+        name = _choose_name(namings(thing, sight.seen()), slot, rng)
         if name is None:
             continue
         places = _absolute if slot.position == "absolute" else _relative
@@ -72,11 +72,9 @@ def has_twin(thing: Thing, clear: Sequence[Thing]) -> bool:
     return any(told_apart(thing, other) for other in twins)
 
 
-def _choose_name(
-    found: Sequence[Naming], slot: Slot, *, pair: bool, rng: np.random.Generator
-) -> Naming | None:
+def _choose_name(found: Sequence[Naming], slot: Slot, rng: np.random.Generator) -> Naming | None:
     """Return words that a slot allows: first a way to name things, so that all ways occur."""
-    fit = [n for n in found if (slot.plain or n.how != "plain") and (n.attribute or not pair)]
+    fit = [naming for naming in found if slot.plain or naming.how != "plain"]
     if slot.plain:
         fit = [naming for naming in fit if naming.how == "plain"] or fit
     ways = sorted({naming.how for naming in fit})
@@ -145,7 +143,7 @@ def _complete(
     """Return the prompt of a place, unless its area is too small, too large, or has no name."""
     names = [name]
     for other in things[1:]:
-        second = _choose_name(namings(other, sight.seen()), slot, pair=False, rng=rng)
+        second = _choose_name(namings(other, sight.seen()), slot, rng)
         if second is None:
             return None
         names.append(second)

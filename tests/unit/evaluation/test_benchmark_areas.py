@@ -5,7 +5,8 @@ import pytest
 
 from fakes.flat_world import HEIGHT, TABLE, WIDTH, Lying, picture_of, pixels_per_metre
 from w2c_evaluation.benchmark import areas
-from w2c_evaluation.benchmark.offers import area_of, without_dust
+from w2c_evaluation.benchmark.offers import area_of, offer, without_dust
+from w2c_evaluation.benchmark.plan import Slot
 from w2c_evaluation.benchmark.sight import Mask, Sight, Thing, footprint_distance, sight_of
 
 SCALE = pixels_per_metre(TABLE)
@@ -146,6 +147,26 @@ def test_nothing_is_free_where_the_robot_or_another_thing_is(sight: Sight) -> No
 
 def things_of(sight: Sight, kind: str) -> Thing:
     return next(thing for thing in sight.things if thing.kind == kind)
+
+
+def test_a_sheet_of_paper_is_not_the_table_it_lies_on() -> None:
+    paper = Lying("sponge", "green", 85, 90, (0.16, 0.10, 0.001))
+    seen = sight_of(picture_of([BOOK, paper]))
+    mask = areas.beside(seen, things_of(seen, "book"), "left")
+
+    assert mask.any()
+    assert set(seen.identity[mask]) == {1}
+
+
+@pytest.mark.parametrize(("others", "offered"), [(3, False), (4, True)])
+def test_a_picture_with_few_things_offers_nothing(others: int, offered: bool) -> None:
+    colours = ("green", "blue", "black", "green")
+    kinds = ("bottle", "box", "cloth", "plate")
+    around = [Lying(kinds[i], colours[i], 60 + 60 * i, 140) for i in range(others)]
+    slot = Slot(0, "absolute", "indoor", "hand", pair=False, plain=True)
+    seen = sight_of(picture_of([BOOK, *around]))
+
+    assert (offer(seen, slot, np.random.default_rng(0)) is not None) == offered
 
 
 def test_every_relation_has_an_area(sight: Sight) -> None:
