@@ -24,6 +24,8 @@ from w2c_dialogue.utterance import Mention, Utterance
 NOTICEABLE = 0.5
 """A shorter move is none [px]."""
 _UNDO = ("target.u-last.du", "target.v-last.dv")
+_BACK = frozenset({"back", "before", "previous", "restore", "return", "revert", "undo"})
+"""Words of who takes a move back. A model that writes numbers takes it back by its length"""
 
 
 @dataclass(frozen=True)
@@ -108,4 +110,12 @@ def corrected_point(
                 "Say a direction, for example: a bit to the left."
             ) from error
         raise
-    return point, (answer.x, answer.y) == _UNDO
+    return point, (answer.x, answer.y) == _UNDO or _takes_back(utterance, point, scene)
+
+
+def _takes_back(utterance: Utterance, point: ImagePoint, scene: CorrectionScene) -> bool:
+    """Tell whether words take the last move back, and the point is where it was before."""
+    if not scene.moves or _BACK.isdisjoint(word.rstrip(",") for word in utterance.folded):
+        return False
+    last, (u, v) = scene.moves[-1], scene.target
+    return abs(point.u - u + last.du) < NOTICEABLE and abs(point.v - v + last.dv) < NOTICEABLE

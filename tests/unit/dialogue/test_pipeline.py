@@ -344,6 +344,36 @@ def test_undo_can_be_said_twice() -> None:
     assert points == [(600, 360), (600, 320), (600, 360), (500, 360)]
 
 
+def test_what_a_model_takes_back_in_numbers_is_forgotten_too() -> None:
+    moves = [
+        {"x": "500+100", "y": "360"},
+        {"x": "600", "y": "360-40"},
+        {"x": "600", "y": "320+40"},
+        {"x": "target.u-last.du", "y": "target.v-last.dv"},
+    ]
+    world = World(select=["prediction", "correction"], correct=moves, **first_words())
+    world.say(FIRST)
+    points = []
+    for text in ("a lot right", "up", "back where it was, please", "undo"):
+        turn = world.say(text)
+        assert turn.target is not None
+        points.append((turn.target.u, turn.target.v))
+    assert points == [(600, 360), (600, 320), (600, 360), (500, 360)]
+
+
+def test_a_move_as_long_as_the_last_one_takes_nothing_back() -> None:
+    moves = [
+        {"x": "target.u+40", "y": "target.v"},
+        {"x": "target.u-40", "y": "target.v"},
+        {"x": "target.u+last.du", "y": "target.v+last.dv"},
+    ]
+    world = World(select=["prediction", "correction"], correct=moves, **first_words())
+    world.say(FIRST)
+    turns = [world.say(text) for text in ("right", "left", "the same again")]
+    assert turns[-1].target is not None
+    assert turns[-1].target.u == 460
+
+
 def test_a_rejection_without_direction_leaves_the_target() -> None:
     world = World(select=["prediction", "correction"], correct=[STAY], **first_words())
     world.say(FIRST)
