@@ -101,6 +101,7 @@ class DialogueNode:
         self._advisor = Advisor(
             checks, self._advise, self._shown_id, clock, deadline_s=config.advice_timeout
         )
+        self._limbs, self._hasty = limbs, hasty
         self._advice: Advice | None = None
         self._target: Target | None = None
         self._stop = threading.Event()
@@ -206,6 +207,15 @@ class DialogueNode:
         turn = self._dialogue.follow(received.message)
         if turn is not None:
             self._publish(turn, received)
+
+    def hear_limb(self) -> None:
+        """Find out which limb the shown target is for, as advice does beside the turns.
+
+        Raises CallError, ModelError.
+        """
+        shown = self._dialogue.shown()
+        if shown is not None and shown.target.instruction:
+            self._limbs.hear(shown.target.instruction, self._hasty)
 
     def _publish(self, turn: Turn, cause: Received[Any] | None = None) -> Turn:
         inputs = [cause.as_input()] if cause else []

@@ -17,7 +17,7 @@ from w2c.errors import (
     RemoteError,
     UnavailableError,
 )
-from w2c.messages import ErrorReply, Message, Turn
+from w2c.messages import ChooseRequest, CompleteRequest, ErrorReply, Message, Turn
 from w2c.through import Asked
 from w2c.topics import Method, Topic
 
@@ -123,6 +123,9 @@ def context_of(asked: Asked, robot: str) -> CallContext:
 
 
 def _key(service: str, method: str, request: Message) -> tuple[str, bytes]:
+    """Return what makes a question what it is; how long its answer may take does not."""
+    if isinstance(request, CompleteRequest | ChooseRequest):
+        request = msgspec.structs.replace(request, deadline=None)
     return f"{service}/{method}", encode_message(request)
 
 

@@ -14,6 +14,7 @@ from w2c import topics
 from w2c.bus import Input, Received
 from w2c.clock import StepClock
 from w2c.difference import INFINITE, Difference, differences
+from w2c.errors import CallError, ModelError
 from w2c.messages import (
     AllowedAreaRequest,
     ConfirmRequest,
@@ -37,6 +38,8 @@ ROWS = (topics.CAMERA_FRAME, topics.CAMERA_VIEW, topics.GOAL_EVENT, topics.TURN)
 PICTURES = (topics.CAMERA_FRAME, topics.CAMERA_VIEW)
 REMEMBERED = 40
 """Pictures and poses that a process which began anew may have got before it was spoken to"""
+LIMB = "effector"
+"""Task of a question that advice asks, too: an instruction is heard once"""
 LOOKS = HeightFieldRequest | AllowedAreaRequest
 Work = SayRequest | ConfirmRequest | PointRequest
 
@@ -65,6 +68,7 @@ class Run:
     ) -> None:
         self._config = config
         self._source = source
+        self._next = next(source, None)
         self._later: deque[Heard] = deque()
         """Read and not yet taken: what came while a turn was taken"""
         self._answers = answers
@@ -88,18 +92,29 @@ class Run:
 
     def play(self) -> Iterator[Compared | Skipped]:
         """Take all messages."""
-        while True:
-            heard = self._later.popleft() if self._later else next(self._source, None)
-            if heard is None:
-                break
-            yield from self._hear(heard)
+        while self._later or self._next is not None:
+            if self._later:
+                heard = self._later.popleft()
+                yield from self._say_until(heard.seconds)
+                yield from self._hear(heard)
+                continue
+            first = self._next
+            yield from self._begin(first)
+            if first is not None and first is self._next and not self._later:
+                self._next = next(self._source, None)
+                yield from self._hear(first)
         yield from self._finish()
+
+    def _begin(self, first: Heard | None) -> Iterator[Compared | Skipped]:
+        """Take the turns that had begun when a message arrived."""
+        if first is None:
+            return
+        if self._node is None and self._told:
+            self._become(self._told[0].envelope.boot_id, first.envelope.robot)
+        yield from self._say_until(first.seconds)
 
     def _hear(self, heard: Heard) -> Iterator[Compared | Skipped]:
         self._clock.set(max(self._clock.now_ns(), round(heard.seconds * 1e9)))
-        if self._node is None and self._told:
-            self._become(self._told[0].envelope.boot_id, heard.envelope.robot)
-        yield from self._say_until(heard.seconds)
         if heard.topic in PICTURES:
             self._take_picture(heard)
         elif heard.topic is topics.GOAL_EVENT:
@@ -162,12 +177,33 @@ class Run:
         context = context_of(asked, self._bus.robot)
         self._turn = asked
         self._catch_up(asked.began_s)
+        self._take_advice(node, asked)
         if isinstance(request, SayRequest):
             node.say(request, context)
         elif isinstance(request, ConfirmRequest):
             node.confirm(request, context)
         elif isinstance(request, PointRequest):
             node.point(request, context)
+
+    def _take_advice(self, node: DialogueNode, asked: Asked) -> None:
+        """Find out what advice had found out before a yes, so that the turn need not ask."""
+        told = self._told_of((asked.source,) if asked.source is not None else ())
+        if told is None or told.message.module != "confirmation":
+            return
+        evidence = told.message.evidence
+        if evidence is not None and any(one.task == LIMB for one in evidence.answers):
+            return  # it was the turn that asked
+        try:
+            node.hear_limb()
+        except (CallError, ModelError):
+            return  # nor did advice
+        finally:
+            if self._bus is not None:
+                self._bus.unknown.clear()
+
+    def _told_of(self, causes: Sequence[Input]) -> Heard | None:
+        """Return the recorded turn of a cause; None where it was not recorded."""
+        return next((one for one in self._told if tuple(one.envelope.inputs) == causes), None)
 
     def _on_answer(self, asked: Asked) -> None:
         """Let time pass until a question of this turn had been answered."""
@@ -186,17 +222,18 @@ class Run:
         while self._looks and self._looks[0].began_s < turn.began_s:
             self._looks.popleft()
         look = self._looks[0] if self._looks and self._looks[0].seconds <= turn.seconds else None
-        stamp_ns = getattr(look.request, "frame_stamp_ns", -1) if look is not None else -1
-        while stamp_ns not in self._seen if look is not None else True:
-            heard = next(self._source, None)
-            if heard is None:
+        newest_ns = getattr(look.request, "frame_stamp_ns", -1) if look is not None else None
+        while (heard := self._next) is not None:
+            picture = heard.topic in PICTURES
+            if newest_ns is None and heard.seconds > seconds:
                 return
-            if heard.topic in PICTURES:
+            if newest_ns is not None and picture and heard.message.stamp_ns > newest_ns:
+                return
+            self._next = next(self._source, None)
+            if picture:
                 self._take_picture(heard)
             else:
                 self._later.append(heard)
-            if look is None and heard.seconds > seconds:
-                return
 
     def _follow(self) -> None:
         """Follow goals, unless a turn is being taken."""
@@ -223,7 +260,7 @@ class Run:
         self._made.extend(self._bus.take_turns())
         while self._made:
             turn, inputs = self._made.popleft()
-            told = next((one for one in self._told if tuple(one.envelope.inputs) == inputs), None)
+            told = self._told_of(tuple(inputs))
             if told is None:
                 seconds = self._clock.now_ns() * 1e-9
                 found = [Difference("", "nothing", turn, INFINITE)]
