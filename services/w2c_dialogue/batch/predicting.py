@@ -7,7 +7,7 @@ several things is meant, the best one is taken, as in the paper, and the answer 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from w2c.errors import ModelError, RefusedError
+from w2c.errors import DeadlineError, ModelError, RefusedError, RemoteError
 from w2c.messages import Box, PhraseEvidence
 from w2c_dialogue import absolute, relative, which
 from w2c_dialogue.analyzer import analyze
@@ -73,13 +73,14 @@ class Predicting:
             size: Its width and height [px].
 
         Raises:
-            CallError: a service does not answer. What it refuses is told in the answer.
+            CallError: a service cannot be asked. What it refuses, or fails at, is told in the
+                answer.
         """
         answer = Predicted()
         frame = Frame(0, size[0], size[1], picture)
         try:
             self._follow(parse(text), frame, answer)
-        except (RefusedError, ModelError) as error:
+        except (RefusedError, RemoteError, DeadlineError, ModelError) as error:
             answer.failed = answer.steps[-1] if answer.steps else "selector"
             answer.reason = str(error)
         return answer

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from fakes.dialogue_world import KnownThings, ScriptedModel
-from w2c.errors import ConfigError, DeadlineError, ModelError
+from w2c.errors import ConfigError, DeadlineError, ModelError, RemoteError, UnavailableError
 from w2c_dialogue.batch.predicting import Predicted, Predicting
 
 BOOK, CUP = (100.0, 100.0, 300.0, 200.0), (600.0, 300.0, 700.0, 400.0)
@@ -64,6 +64,8 @@ def test_words_within_a_name_choose_one_of_several() -> None:
         ({"analyze": [{"position": "above", "objects": []}]}, "analyzer", "form"),
         ({"analyze": [{"position": "absolute", "objects": []}]}, "analyzer", "no object"),
         ({"analyze": [ModelError("lost")]}, "analyzer", "lost"),
+        ({"analyze": [RemoteError("outside its schema")]}, "analyzer", "schema"),
+        ({"analyze": [DeadlineError("late")]}, "analyzer", "late"),
         ({"select": [ModelError("lost")]}, "selector", "lost"),
         ({"things": {"cup": CUP}}, "segmentation", "don't see"),
         ({"things": {"cup": CUP}, "analyze": [RELATIVE]}, "detection", "don't see"),
@@ -80,8 +82,8 @@ def test_the_step_that_gives_up_is_named(changes: dict[str, Any], step: str, rea
 
 
 def test_a_service_that_is_gone_is_no_answer() -> None:
-    with pytest.raises(DeadlineError):
-        predict(analyze=[DeadlineError("late")])
+    with pytest.raises(UnavailableError):
+        predict(analyze=[UnavailableError("nobody")])
 
 
 def test_an_ablation_of_the_embedded_prompts_is_refused() -> None:
