@@ -56,7 +56,7 @@ def evaluate(arguments: list[str] | None = None) -> int:
     stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
     directory = Path(config.run_directory or f"runs/{stamp}-grounding").resolve()
     pictures = directory / f"scenes-{config.seed}-{config.count}"
-    _render(config, pictures)
+    render(config, pictures)
     trials, threshold, name = score_model(
         config.model,
         pictures,
@@ -80,8 +80,8 @@ def evaluate(arguments: list[str] | None = None) -> int:
     return 0 if hit and rejected else 1
 
 
-def _render(config: PointingConfig, pictures: Path) -> None:
-    """Render the scenes in a process of their own. Raises ProcessError."""
+def render(config: PointingConfig, pictures: Path) -> None:
+    """Render the scenes into a directory, in a process of their own. Raises ProcessError."""
     pictures.parent.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "w2c.cli", "scenes", "render", "--resume", "--no-depth"]
     command += ["--out", str(pictures), "--seed", str(config.seed), "--count", str(config.count)]

@@ -26,7 +26,7 @@ from w2c_grounding.train.watch import watch
 
 KEPT = 20
 """One picture in so many is kept back"""
-CALIBRATION_PICTURES = 150
+CALIBRATION_PICTURES = 120
 FINE_TUNING = 0.35
 """Of the learning rate, where weights are there already"""
 START_PICTURES = 48

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from w2c.errors import ProcessError
-from w2c_evaluation.pointing.commands import evaluate
+from w2c_evaluation.pointing.commands import PointingConfig, render
 from w2c_evaluation.pointing.report import format_table, make_rows
 
 
@@ -53,7 +53,6 @@ def test_the_table_shows_the_targets_where_they_are_judged() -> None:
 
 
 def test_pictures_that_cannot_be_rendered_end_it_with_the_next_step(tmp_path: Path) -> None:
-    (tmp_path / "scenes-900000-1").mkdir()
-    (tmp_path / "scenes-900000-1" / "else.txt").write_text("other files")
+    (tmp_path / "else.txt").write_text("other files")
     with pytest.raises(ProcessError, match="--run-directory"):
-        evaluate(["--count", "1", "--run-directory", str(tmp_path)])
+        render(PointingConfig(count=1), tmp_path)
