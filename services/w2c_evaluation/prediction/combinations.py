@@ -54,8 +54,10 @@ class Combination:
 
     @property
     def label(self) -> str:
-        """Return the names in one line, each once where they are one."""
-        return " + ".join(dict.fromkeys(self.names))
+        """Return the names in one line: `LLM + DETECTOR / SEGMENTER`, equal ones once."""
+        llm, detector, segmenter = self.names
+        vision = detector if detector == segmenter else f"{detector} / {segmenter}"
+        return llm if llm == vision else f"{llm} + {vision}"
 
     @property
     def digest(self) -> str:

@@ -179,7 +179,7 @@ def test_every_combination_is_asked_and_each_model_is_loaded_once(
     assert run(dataset, *names, "--repetitions", "3") == 0
 
     cases = {case for case, _ in rows_of(dataset)}
-    assert cases == {"a + x", "a + y + x", "b + x", "b + y + x", "random points"}
+    assert cases == {"a + x", "a + y / x", "b + x", "b + y / x", "random points"}
     assert sorted(models.loaded) == ["a", "b", "x", "y"]
     assert models.completed == 2 * 4  # what was asked before is remembered
 
@@ -217,7 +217,7 @@ def test_a_model_that_is_not_there_leaves_the_others(
 
     assert run(dataset, *flags) == 1
     said = capsys.readouterr().out
-    assert "- a + broken + embedded: broken: no file at models/broken" in said
+    assert "- a + broken / embedded: broken: no file at models/broken" in said
     assert rows_of(dataset)["a + embedded", "success.overall"]["n"] == 4
 
 
@@ -303,6 +303,17 @@ def test_the_papers_twelve_combinations_are_a_preset_with_its_figures() -> None:
     assert len({one.digest for one in combinations}) == 12
     table = success_table({}, {"absolute": [0.1]}, {})
     assert "0.10 [0.10, 0.10]" in table and "0.12 / 0.17 / 0.13" in table
+
+
+def test_no_two_combinations_share_a_label() -> None:
+    combinations = Catalogue([]).combine(["embedded"], ["embedded", "truth"], ["embedded", "truth"])
+
+    assert [one.label for one in combinations] == [
+        "embedded",
+        "embedded + embedded / truth",
+        "embedded + truth / embedded",
+        "embedded + truth",
+    ]
 
 
 def test_names_of_a_file_come_first_and_say_which_prompts(tmp_path: Path) -> None:
