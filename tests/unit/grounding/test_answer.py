@@ -106,8 +106,9 @@ def test_a_detectors_boxes_are_the_answer_best_first_and_nonsense_is_counted() -
 
 
 def test_words_the_model_cannot_read_are_reported_once_too() -> None:
-    (answer,) = ask(Grounder(_Detector(), CARD), "red zyx").evidence
-    assert answer.unknown_words == ["zyx"]
+    for card in (CARD, ModelCard(name="public")):
+        (answer,) = ask(Grounder(_Detector(), card), "red zyx").evidence
+        assert answer.unknown_words == ["zyx"]
 
 
 def test_the_same_picture_is_prepared_once() -> None:
