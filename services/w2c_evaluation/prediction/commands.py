@@ -147,7 +147,7 @@ def _report(
     records = {item.record.id: item.record for item in items}
     document = make_results("prediction", config.seed, make_rows(answers, random, items))
     document |= {
-        "dataset": config.dataset,
+        "dataset": Path(config.dataset).resolve().name,
         "prompts": _digest(items),
         "ablation": config.ablation,
         "temperature": config.temperature,

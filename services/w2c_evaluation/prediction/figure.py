@@ -68,7 +68,7 @@ def write_figure(rates: Mapping[str, Rates], random: Rates, path: Path) -> None:
         axes.invert_yaxis()
         axes.set_xlim(0.0, 1.0)
         axes.set_xlabel("share of accepted points; dashed: points by chance")
-        axes.legend(loc="lower right", frameon=False)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
         figure.tight_layout()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
