@@ -75,18 +75,20 @@ class ClipSeg:
     @torch.inference_mode()
     def query(self, context: ClipSegContext, phrases: Sequence[str]) -> list[Evidence]:
         """Decode one heatmap a phrase from the activations of the picture."""
-        conditions = torch.stack(
-            [self._embeddings.get(phrase, self._embedding) for phrase in phrases]
-        )
+        conditions = torch.stack(self._embeddings.get_all(phrases, self._embed))
         count = len(phrases)
         activations = tuple(layer.expand(count, -1, -1) for layer in context.activations)
         logits = self._model.decoder(activations, conditions).logits.float().cpu().numpy()
         return [Evidence(heatmap_from_logits(one, context.width, context.height)) for one in logits]
 
-    def _embedding(self, phrase: str) -> torch.Tensor:
-        """Return the text embedding (projection,) of a phrase."""
+    def _embed(self, phrases: list[str]) -> list[torch.Tensor]:
+        """Return the text embedding (projection,) of each phrase.
+
+        Padding comes after what is read, and the text tower looks only back: it changes nothing.
+        """
         tokens = self._processor.tokenizer(
-            [fill(self._template, phrase)],
+            [fill(self._template, phrase) for phrase in phrases],
+            padding=True,
             truncation=True,
             max_length=self._longest_text,
             return_tensors="pt",
@@ -94,5 +96,4 @@ class ClipSeg:
         features = self._model.clip.get_text_features(
             input_ids=tokens["input_ids"], attention_mask=tokens["attention_mask"]
         )
-        embedding: torch.Tensor = features.pooler_output[0]
-        return embedding
+        return list(features.pooler_output)

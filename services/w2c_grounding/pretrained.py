@@ -5,7 +5,7 @@ Everything that families do alike lives here, so that each says the same thing w
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Generic, TypeVar
 
@@ -119,6 +119,20 @@ class Remembered(Generic[Value]):
             while len(self._values) > self._limit:
                 self._values.popitem(last=False)
         return value
+
+    def get_all(
+        self, phrases: Sequence[str], compute: Callable[[list[str]], Sequence[Value]]
+    ) -> list[Value]:
+        """Return the value of each phrase; those that are not known are computed in one go."""
+        with self._lock:
+            new = [phrase for phrase in dict.fromkeys(phrases) if phrase not in self._values]
+        computed = dict(zip(new, compute(new), strict=True)) if new else {}
+        return [
+            self.get(phrase, lambda phrase: computed[phrase])
+            if phrase in computed
+            else self.get(phrase, lambda phrase: compute([phrase])[0])
+            for phrase in phrases
+        ]
 
 
 def _show_progress_of_downloads_only(config: ModelConfig) -> None:

@@ -23,6 +23,7 @@ from w2c.messages import GroundingReply, GroundingRequest, UseModelReply, UseMod
 from w2c_grounding.card import ModelCard
 from w2c_grounding.config import Config
 from w2c_grounding.family import Family
+from w2c_grounding.guard import Guarded
 from w2c_grounding.loaded import another
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.node import GroundingNode
@@ -168,6 +169,31 @@ def test_another_model_takes_over_and_the_old_one_is_let_go() -> None:
     )
     assert running.use("embedded").previous == "second"
     assert running.shelf.loaded[2].model == ""
+    running.node.close()
+
+
+def test_a_model_at_a_server_is_not_asked_to_warm_up_and_its_connections_are_closed() -> None:
+    class AtServer(FakeFamily):
+        def __init__(self) -> None:
+            super().__init__()
+            self.happened: list[str] = []
+
+        def warm_up(self) -> None:
+            self.happened.append("warm-up")
+
+        def close(self) -> None:
+            self.happened.append("closed")
+
+    remote = AtServer()
+    running = Running()
+    kept = running.shelf.load
+    running.node._load = lambda _: (Guarded(remote, "cpu"), ModelCard(name="far", threshold=0.5))
+    assert running.use("far").model == "far"
+    assert (remote.happened, remote.asked) == (["warm-up"], [])
+    assert running.ground("red").model == "far"
+    running.node._load = kept
+    running.use("near")
+    assert remote.happened == ["warm-up", "closed"]
     running.node.close()
 
 
