@@ -136,7 +136,7 @@ def draw_boxes(sessions: Sequence[Session], paths: Sequence[Path]) -> None:
     )
     people = "paper: people on photographs, phase 2"
     handles.append(mpl.lines.Line2D([], [], color="black", marker="D", linestyle="", label=people))
-    axis.legend(handles=handles, loc="lower left", fontsize=8)
+    axis.legend(handles=handles, loc="upper right", fontsize=8)
     axis.set_title(
         f"Box: quartiles and median; whiskers: 5 and 95 %; no dot: {NO_DOT_PX:.0f} px", fontsize=9
     )
