@@ -35,7 +35,7 @@ class PointerOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     max_tokens: Annotated[int, msgspec.Meta(gt=0, le=4096)] = 400
     """Longest answer."""
     deadline: Annotated[float, msgspec.Meta(gt=0, le=600)] = 50.0
-    """Longest time of one phrase at the server [s]; below the 60 s that callers wait."""
+    """Longest time of one question to the server [s]; callers wait 60 s for all their phrases."""
     concurrency: Annotated[int, msgspec.Meta(ge=1, le=64)] = 4
     """Phrases at the server at once."""
     sampling: bool = True
