@@ -93,5 +93,5 @@ def test_a_question_that_was_not_asked_then_is_shown(recording: Path, tmp_path: 
 
     report = through(rewritten(recording, tmp_path / "forgotten.mcap", forget))
     assert report.status == 1
-    inputs = " ".join(report.values["first_difference"]["inputs"])
-    assert "asked, and not in the recording: perception/lift: " in inputs
+    text = "\n".join(report.lines)
+    assert "asked, and not in the recording: perception/lift: " in text, text

@@ -24,7 +24,8 @@ def rewritten(recording: Path, path: Path, change: Change) -> Path:
         payload = recorded.payload
         if message is not recorded.message:
             payload = rewrapped(payload, message)
-        file.write(RawReceived(recorded.key, payload, recorded.log_time_ns), 0)
+        at_ns = recorded.log_time_ns
+        file.write(RawReceived(recorded.key, payload, at_ns), at_ns)
     file.close()
     return path
 

@@ -7,6 +7,7 @@ events and status. Where a stretch cannot be made again, or a command differs, i
 next snapshot.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -121,7 +122,11 @@ class Run:
             yield from self._compare_told(player, done, state)
 
     def _compare_command(self, command: Heard, done: Done, state: Heard) -> Iterator[Compared]:
-        found = tuple(differences(command.message, done.command))
+        joints = self._given.description(self._robot).joints
+        found = tuple(
+            _with_joint(one, [joint.name for joint in joints])
+            for one in differences(command.message, done.command)
+        )
         compared = self._compared(COMMAND, command, found, state, done.told)
         if compared.differs():
             self._player = None
@@ -225,6 +230,15 @@ def _in_order(tree: Any) -> Any:
     if inner.get("@") == "set":
         inner["items"] = sorted(inner["items"], key=repr)
     return inner
+
+
+def _with_joint(difference: Difference, names: Sequence[str]) -> Difference:
+    """Return a difference of a command with the name of its joint."""
+    match = re.fullmatch(r"position\[(\d+)\]", difference.path)
+    if match is None:
+        return difference
+    path = f"{difference.path} {names[int(match[1])]}"
+    return Difference(path, difference.first, difference.second, difference.size)
 
 
 def _inputs(state: Heard, told: list[str]) -> list[str]:
