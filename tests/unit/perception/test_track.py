@@ -43,7 +43,7 @@ def test_depth_is_placed_by_where_the_camera_was_then(track: RobotTrack) -> None
     answers = Answers(PerceptionConfig(robot="test"), memory)
     request = LiftRequest(u=64.0, v=36.0, frame_stamp_ns=AT * TICK_NS)
 
-    reply = answers.lift(request, None)  # type: ignore[arg-type]
+    reply = answers.lift(request, None)
 
     then = kinematics.camera_pose(nodding(early)).world_from_camera
     normal = -then[:3, 2]
