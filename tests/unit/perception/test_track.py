@@ -57,12 +57,12 @@ def test_depth_is_placed_by_where_the_camera_was_then(track: RobotTrack) -> None
     assert np.linalg.norm(reply.point - apply(now, [0, 0, 1.0])) > 1e-4
     of_depth = answers.heights(
         HeightFieldRequest(frame_stamp_ns=AT * TICK_NS),
-        None,  # type: ignore[arg-type]
+        None,
     ).heights
     memory.add(track.place(frame(early * TICK_NS)))  # the same depth, with the colours
     expected = answers.heights(
         HeightFieldRequest(frame_stamp_ns=early * TICK_NS),
-        None,  # type: ignore[arg-type]
+        None,
     ).heights
     assert np.array_equal(of_depth, expected, equal_nan=True)
 
