@@ -67,14 +67,13 @@ class PerceptionNode:
             if waiting is None:
                 waiting = self._frames.receive(0.0)
                 waiting_since_ns = self._clock.now_ns()
-            if waiting is None:
-                continue
             # A picture is placed once there are joint angles on both sides of its stamp.
-            expired = self._clock.now_ns() - waiting_since_ns > _WAIT_FOR_STATE_S * 1e9
-            known = _newest_stamp(waiting.message) <= track.newest_ns
-            if expired or (known and not self._expects_controller(track)):
-                self._remember(waiting, track)
-                waiting = None
+            if waiting is not None:
+                expired = self._clock.now_ns() - waiting_since_ns > _WAIT_FOR_STATE_S * 1e9
+                known = _newest_stamp(waiting.message) <= track.newest_ns
+                if expired or (known and not self._expects_controller(track)):
+                    self._remember(waiting, track)
+                    waiting = None
             stop.wait(period_s)
 
     def close(self) -> None:

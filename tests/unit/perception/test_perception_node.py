@@ -144,6 +144,43 @@ def test_perception_waits_for_a_robot_that_is_not_there_yet() -> None:
     assert not thread.is_alive()
 
 
+class Robot(threading.Event):
+    """Where the node waits, a robot sends three states; once also a picture."""
+
+    def __init__(self, hub: InProcessHub) -> None:
+        super().__init__()
+        self._bus = hub.connect("robot")
+        self._camera = hub.connect("camera")
+        self._bus.serve(topics.DESCRIBE, lambda _request, _context: DESCRIPTION)
+        self.tick = 0
+
+    def wait(self, timeout: float | None = None) -> bool:
+        for _ in range(3):
+            self.tick += 1
+            self._bus.publish(topics.ROBOT_STATE, state(self.tick, READY))
+        if self.tick == 30:
+            self._camera.publish(topics.CAMERA_FRAME, frame(29 * TICK_NS))
+        if self.tick > 60:
+            self.set()
+        return self.is_set()
+
+
+def test_states_are_taken_at_their_rate_also_while_no_picture_waits() -> None:
+    hub = InProcessHub()
+    node = PerceptionNode(PerceptionConfig(robot="test"), hub.connect("perception"), RealClock())
+    views = hub.connect("operator").queue(topics.CAMERA_VIEW)
+    robot = Robot(hub)
+    node.configure()
+    robot.wait()
+    thread = threading.Thread(target=node.run, args=(robot,))
+    thread.start()
+    view = views.receive(10.0)
+    robot.set()  # for a node that never waits
+    thread.join(10.0)
+    assert view is not None
+    assert view.message.state_ticks == list(range(3, 31, 3))
+
+
 def test_with_one_foot_in_the_air_the_world_stays_where_it_was(rig: Rig) -> None:
     """The left leg is pulled up: midway between the soles is elsewhere now, the world is not."""
     before = rig.see(1000, frame(1000 * TICK_NS))
