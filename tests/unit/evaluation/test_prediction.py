@@ -1,6 +1,7 @@
 """Success of combinations of models: judged, counted, told apart by step, resumed."""
 
 import json
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -332,3 +333,13 @@ def test_names_of_a_file_come_first_and_say_which_prompts(tmp_path: Path) -> Non
     path.write_text("[lllm.mine]\n")
     with pytest.raises(ConfigError, match="unknown tables lllm"):
         Catalogue([path])
+
+
+def test_the_vision_models_of_the_paper_are_names_that_grounding_knows() -> None:
+    from w2c_grounding.known import KNOWN
+    from w2c_grounding.registry import FAMILIES
+
+    vision = tomllib.loads(paper.PRESET_FILE.read_text())["vision"]
+    assert set(vision) == {*paper.DETECTORS, *paper.SEGMENTERS}
+    assert all(flags["model"] in KNOWN for flags in vision.values())
+    assert all(KNOWN[flags["model"]].family in FAMILIES for flags in vision.values())
