@@ -42,6 +42,20 @@ you, downward, closer to yourself, lower down, towards the robot, to the front, 
 backward, towards the front, closer to the robot
 """),
 }
+TWO_LINKS = (
+    " and ",
+    " and ",
+    ", ",
+    " and then ",
+    ", then ",
+    ", and ",
+    " but only ",
+    ", and just ",
+    " plus ",
+    " with ",
+    " & ",
+)
+"""Between two directions of different amounts"""
 MOVE = names("""
 move, go, shift, slide, move it, shift it, slide it, move the target, move the point, move your
 hand, push it, nudge it, bring it, put it, go, move the contact, move the dot, adjust it, place
@@ -161,10 +175,15 @@ times as much {}
 """)
 """A direction with the size of the last move, times a factor."""
 CLOSER = meanings("""
-0.5: closer to, nearer to, towards, toward, more towards, nearer, in the direction of, halfway to
-| 0.25: a bit closer to, a little closer to, a bit towards, slightly closer to, a bit nearer to |
-0.75: much closer to, a lot closer to, three quarters of the way to | 0.8: almost up to, nearly up
-to, almost all the way to | 0.33: a third of the way to, a third of the way towards
+0.5: closer to, closer to, nearer to, towards, toward, more towards, nearer, in the direction of,
+halfway to, halfway to, half way to, halfway towards, half the way to, midway to, closer in to, over
+towards, half of the way to, halfway between here and, more in the direction of, half the distance
+to | 0.25: a bit closer to, a little closer to, a bit towards, slightly closer to, a bit nearer to,
+a bit nearer, a touch closer to, a tad closer to, slightly towards, a little nearer, a quarter of
+the way to, a quarter of the way towards | 0.75: much closer to, a lot closer to, three quarters of
+the way to, much nearer, a lot nearer to | 0.8: almost up to, nearly up to, almost all the way to |
+0.33: a third of the way to, a third of the way towards, one third of the way to | 0.67: two thirds
+of the way to, two thirds of the way towards
 """)
 """Which part of the way to an object."""
 AWAY = meanings("""
@@ -180,10 +199,19 @@ LEVEL = names("""
 at the same height as, level with, to the height of, to the same level as, in line horizontally
 with, align horizontally with, as high as
 """)
+LEVEL_PARTS = meanings("""
+a.top: top, top, upper edge, top edge, upper end | a.bottom: bottom, base, foot, lower edge, bottom
+edge, lower end
+""")
+"""Parts of an object that something is level with"""
 STRAIGHT = names("""
 straight below, directly under, in line vertically with, align vertically with, straight above,
 straight in front of, in the same column as
 """)
+COLUMN_PARTS = meanings("""
+a.left: left edge, left side, left end | a.right: right edge, right side, right end
+""")
+"""Parts of an object that something is straight above or below"""
 MEASURES = meanings("""
 0.5*: half the, half a | : one, the, a | 2*: two, twice the | 0.25*: a quarter of the | 1.5*: one
 and a half

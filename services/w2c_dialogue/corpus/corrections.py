@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from w2c_dialogue.corpus import correction_words as words
 from w2c_dialogue.corpus import locations
+from w2c_dialogue.corpus.asides import with_aside
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.phrases import article, phrase
@@ -87,7 +88,7 @@ def _finish(
             draft.words[-1] = draft.words[-1].rstrip(",:") + ","
     if not draw.chance(bare):
         draft.add(draw.pick(verbs))
-    draft.fill(template, phrases)
+    draft.fill(with_aside(template, draw), phrases)
     if draw.chance(0.1):
         draft.add(draw.pick(words.TAILS))
     return draft
@@ -127,6 +128,28 @@ def _diagonal(draw: Draw) -> Correction:
     return Correction(_finish(draw, text, {}), x, y)
 
 
+def _two_amounts(draw: Draw) -> Correction:
+    """Go two ways, by two amounts that differ: `a lot left and a smidge up`."""
+    ways = draw.pick(("left", "right")), draw.pick(("up", "down"))
+    steps = {size: listed if size != "40" else ("",) for size, listed, _ in words.STEPS}
+    sizes: dict[str, str] = {}
+    said = []
+    for way in ways if draw.chance(0.5) else ways[::-1]:
+        if draw.chance(0.2):
+            amount, size = locations.distance(draw)
+        else:
+            size = draw.pick([size for size in steps if size not in sizes.values()])
+            amount = draw.pick(steps[size])
+        to, sizes[way] = draw.pick(words.TO[way]), size
+        said.append((f"{to} {amount}" if draw.chance(0.4) else f"{amount} {to}").strip())
+    draft = _finish(draw, draw.pick(words.TWO_LINKS).join(said), {})
+    x, y = ("target.u", "target.v")
+    for way in ways:
+        du, dv = WAYS[way]
+        x, y = (term(x, du, sizes[way]), y) if du else (x, term(y, dv, sizes[way]))
+    return Correction(draft, x, y)
+
+
 def _history(draw: Draw) -> Correction:
     """Refer to earlier corrections."""
     roll = draw.uniform()
@@ -162,7 +185,7 @@ def _object(draw: Draw) -> Correction:
     """Refer to an object."""
     things = {"A": phrase(draw, surface=draw.chance(0.5))}
     a = f"{article(draw)} {{A}}".strip()
-    roll = draw.below(12)
+    roll = draw.below(14)
     for below, make in _OBJECT_KINDS:
         if roll < below:
             return make(draw, a, things)
@@ -188,9 +211,8 @@ def _onto(draw: Draw, a: str, things: dict[str, str]) -> Correction:
 
 def _edge(draw: Draw, a: str, things: dict[str, str]) -> Correction:
     if draw.chance(0.65):
-        name = draw.pick(tuple(locations.EDGES))
-        du, dv = locations.EDGES[name]
-        what = draw.pick(("edge", "edge", "side", "end", "border"))
+        listed, (du, dv) = draw.pick(locations.EDGES)
+        name, what = draw.pick(listed), draw.pick(locations.EDGE_WORDS)
     else:
         name = draw.pick(tuple(locations.CORNERS))
         du, dv = locations.CORNERS[name]
@@ -213,7 +235,13 @@ def _beside(draw: Draw, a: str, things: dict[str, str]) -> Correction:
 
 
 def _align(draw: Draw, a: str, things: dict[str, str]) -> Correction:
-    if draw.chance(0.5):
+    level = draw.chance(0.6)
+    if draw.chance(0.4):
+        part, symbol = draw.pick(words.LEVEL_PARTS if level else words.COLUMN_PARTS)
+        said = f"{draw.pick(words.LEVEL if level else words.STRAIGHT)} the {part} of {a}"
+        x, y = ("target.u", symbol) if level else (symbol, "target.v")
+        return Correction(_finish(draw, said, things), x, y)
+    if level:
         return Correction(_finish(draw, f"{draw.pick(words.LEVEL)} {a}", things), "target.u", "a.v")
     return Correction(_finish(draw, f"{draw.pick(words.STRAIGHT)} {a}", things), "a.u", "target.v")
 
@@ -244,13 +272,20 @@ def _pixels(draw: Draw) -> Correction:
     return Correction(_finish(draw, said, {}, bare=0.1), str(u), str(v))
 
 
-_KINDS = ((0.37, _direction), (0.12, _diagonal), (0.18, _history), (0.25, _object), (0.02, _pixels))
+_KINDS = (
+    (0.34, _direction),
+    (0.1, _diagonal),
+    (0.06, _two_amounts),
+    (0.17, _history),
+    (0.25, _object),
+    (0.02, _pixels),
+)
 _OBJECT_KINDS = (
-    (3, _closer),
-    (4, _away),
-    (6, _edge),
-    (7, _onto),
-    (9, _beside),
-    (10, _align),
-    (11, _object_sized),
+    (4, _closer),
+    (5, _away),
+    (8, _edge),
+    (9, _onto),
+    (11, _beside),
+    (12, _align),
+    (13, _object_sized),
 )

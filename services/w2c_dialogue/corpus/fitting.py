@@ -48,12 +48,15 @@ def correction_of_point(
 
 
 def says_number(utterance: Utterance) -> bool:
-    """Say whether digits or words of numbers are in an utterance."""
+    """Say whether digits, words of numbers or body measures are in an utterance."""
     words = {word.strip(",") for word in utterance.folded}
-    return bool(words & _NUMBERS) or any(c.isdigit() for word in words for c in word)
+    return bool(words & (_NUMBERS | _MEASURES)) or any(c.isdigit() for word in words for c in word)
 
 
 _NUMBERS = frozenset(word for name in locations.NUMBER_WORDS for word in name.split()) - {"a", "of"}
+_MEASURES = frozenset(
+    ("width", "breadth", "length", "finger", "finger's", "fingers", "thumb", "thumb's", "thumbs")
+)
 
 
 def _only(

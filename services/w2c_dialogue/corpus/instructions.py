@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from w2c_dialogue.corpus import locations
+from w2c_dialogue.corpus.asides import with_aside
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.phrases import article, phrase, place, plain_phrase
@@ -55,7 +56,22 @@ HANDS = (
     "limb",
 )
 FEET = ("foot", "foot", "foot", "sole", "leg", "shoe", "heel", "boot", "toes")
-WITH = ("with", "with", "using", "with", "by using", "use", "via")
+WITH = ("with", "with", "using", "with", "by using", "use", "via", "w", "w/")
+SHORT_LIMBS = names("""
+{s} {part}, {s} {part}, ur {s} {part}, {s}{p}, {s}{p}, {s}. {part}, {s}-{part}, your {s} {part}, the
+{s} {part}
+""")
+REPAIRED_LIMBS = names(
+    """
+{other} no {side} {part} | your {other}, no, your {side} {part} | {other} no sorry {side} {part} |
+{other} {part}, sorry, {side} {part} | the {other}, I mean the {side} {part} | not the {other}, the
+{side} {part} | {other} wait {side} {part} | not the {other} {part} the {side} one | not the
+{other}, the other {part} | not your {other} {part}, the other one | your {other} or rather {side}
+{part} | {other} er {side} {part} | {side} {wrong}, no, {side} {part} | {side} {wrong} sorry {part}
+""",
+    "|",
+)
+"""`side` and `part` are meant, `other` and `wrong` are not"""
 LEADS = names("""
 please, can you, could you, could you please, can you please, I want you to, I need you to, I
 would like you to, I'd like you to, let's, you should, go ahead and, robot, talos, hey robot, ok
@@ -93,11 +109,22 @@ class Instruction:
     task: str
 
 
+def _short_limb(draw: Draw, *, feet: bool) -> tuple[str, str]:
+    """Return an end effector as thumbs type it, or corrected while it is said, and its name."""
+    side, other = ("left", "right") if draw.chance(0.5) else ("right", "left")
+    part, wrong = ("foot", "hand") if feet and draw.chance(0.25) else ("hand", "foot")
+    template = draw.pick(draw.pick((SHORT_LIMBS, REPAIRED_LIMBS)))
+    said = template.format(s=side[0], p=part[0], side=side, other=other, part=part, wrong=wrong)
+    return said, f"{side}_{part}"
+
+
 def _limb(draw: Draw, *, feet: bool = True) -> tuple[str, str]:
     """Return the words for an end effector and its name."""
     roll = draw.uniform()
     if roll < 0.12:
         return draw.pick(ANY_HAND), "unspecified"
+    if draw.chance(0.08):
+        return _short_limb(draw, feet=feet)
     side = draw.pick(("left", "right"))
     if roll < 0.82:
         part, name = draw.pick(HANDS), "hand"
@@ -174,6 +201,7 @@ def instruction(draw: Draw, kind: str, *, plain: bool) -> Instruction:
         _lead(draw, draft)
     name = plain_phrase if plain else phrase
     letters = [letter for letter in "ABC" if f"{{{letter}}}" in location.text]
+    template = template if plain else with_aside(template, draw)
     draft.fill(template, {letter: name(draw, surface=not reach) for letter in letters})
     if not plain and draw.chance(0.2):
         draft.add(draw.pick(TAILS))

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.measures import body_length, repaired
 from w2c_dialogue.corpus.things import meanings, names
 
 
@@ -68,13 +69,14 @@ PLAIN_SIDES = {
     "behind": ("behind", "above", "up"),
 }
 _LEFT, _RIGHT, _UP, _DOWN = (-1, 0), (1, 0), (0, -1), (0, 1)
-EDGES = {
-    **dict.fromkeys(names("left"), _LEFT),
-    **dict.fromkeys(names("right"), _RIGHT),
-    **dict.fromkeys(names("top, upper, back, far, rear"), _UP),
-    **dict.fromkeys(names("bottom, lower, front, near, closest"), _DOWN),
-}
-EDGE_WORDS = names("edge, side, end, part, border, half")
+EDGES = (
+    (names("left, left, left, left-hand, left hand"), _LEFT),
+    (names("right, right, right, right-hand, right hand"), _RIGHT),
+    (names("top, upper, back, far, rear, farther, furthest"), _UP),
+    (names("bottom, lower, front, near, closest, nearest, nearer"), _DOWN),
+)
+"""Words of an edge and the direction it lies in; left and right are said as often as the others"""
+EDGE_WORDS = names("edge, edge, side, side, end, end, part, border, half, half, third, rim")
 CORNERS = {
     **dict.fromkeys(names("top left, upper left, back left, far left"), (-1, -1)),
     **dict.fromkeys(names("top right, upper right, back right, far right, right back"), (1, -1)),
@@ -96,6 +98,8 @@ one pixel | 0.1*1*cm: a millimeter, one millimetre | 2.54*0.5*cm: half an inch |
 centimeter, half a cm | 100*0.5*cm: half a meter, half a metre
 """)
 """Lengths without a number, with their expressions."""
+REPAIRED_SHARE = 0.06
+"""How often a number is taken back for another while it is said"""
 PARTS_OF_THE_WAY = meanings("""
 0.33: one third, a third | 0.25: a quarter | 0.67: two thirds | 0.75: three quarters
 """)
@@ -128,6 +132,8 @@ def distance(draw: Draw) -> tuple[str, str]:
     """Return the words of a length and its expression in pixels; `cm` is the scale of the scene."""
     if draw.chance(0.08):
         return draw.pick(SINGLE)
+    if draw.chance(0.1):
+        return body_length(draw)
     if draw.chance(0.35):
         word = draw.pick(tuple(NUMBER_WORDS))
         number = NUMBER_WORDS[word]
@@ -136,6 +142,9 @@ def distance(draw: Draw) -> tuple[str, str]:
         word = number.replace(".", draw.pick((".", ".", ".", ",")))
     else:
         number = word = str(1 + draw.below(30) if draw.chance(0.7) else 5 * (1 + draw.below(60)))
+    if draw.chance(REPAIRED_SHARE):
+        wrong = draw.pick(tuple(NUMBER_WORDS)) if word[0].isalpha() else str(1 + draw.below(30))
+        word = repaired(wrong, word, draw)
     unit = draw.below(10)
     if unit < 5:
         glued = word[0].isdigit() and draw.chance(0.3)
@@ -185,15 +194,17 @@ def _beside(draw: Draw) -> Location:
 
 def _edge(draw: Draw) -> Location:
     if draw.chance(0.6):
-        name = draw.pick(tuple(EDGES))
-        du, dv = EDGES[name]
-        words = draw.pick(EDGE_WORDS)
+        listed, (du, dv) = draw.pick(EDGES)
+        name, words = draw.pick(listed), draw.pick(EDGE_WORDS)
     else:
         name = draw.pick(tuple(CORNERS))
         du, dv = CORNERS[name]
         words = draw.pick(("corner", "corner", "corner", "part", "quarter"))
         if name.startswith(("far ", "near ")):
             words = "corner"  # "the far left part" is all of the left
+    if draw.chance(0.2):
+        lead = draw.pick(("on", "on", "at", "near", "towards", "over"))
+        return Location(f"{lead} {{A}}'s {name} {words}", *inside("a", du, dv))
     lead = draw.pick(
         ("on the", "at the", "on the", "near the", "the", "towards the", "close to the")
     )

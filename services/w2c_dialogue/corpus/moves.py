@@ -12,6 +12,7 @@ from w2c_dialogue.corpus.places import Place, length, read_place
 STEPS = {"tiny": "10", "bit": "20", "step": "40", "lot": "100"}
 """Pixels of an amount in words"""
 _ALONG = {"u": 0, "v": 1}
+_EDGES_ALONG = {"u": ("left", "right"), "v": ("top", "bottom")}
 
 
 def read_move(text: str) -> tuple[Place, int]:
@@ -98,8 +99,11 @@ def _onto(arguments: Sequence[str]) -> tuple[Place, int]:
 
 def _align(axis: str) -> Callable[[Sequence[str]], tuple[Place, int]]:
     def read(arguments: Sequence[str]) -> tuple[Place, int]:
+        letter, *part = arguments
+        if part and part[0] not in _EDGES_ALONG[axis]:
+            raise ValueError(part)
         symbols = ["target.u", "target.v"]
-        symbols[_ALONG[axis]] = f"{_letter(arguments[0])}.{axis}"
+        symbols[_ALONG[axis]] = f"{_letter(letter)}.{part[0] if part else axis}"
         return Place(symbols[0], symbols[1]), 0
 
     return read

@@ -12,17 +12,18 @@ from dataclasses import dataclass
 
 from w2c.errors import ConfigError
 from w2c_dialogue.corpus import locations
+from w2c_dialogue.corpus.measures import BODY
 
 HALF = "0.5*{}"
 """The distance where none is said, a share of the size of the object"""
 AMOUNTS = {"close": "0.25*{}", "far": "1.5*{}"}
-UNITS = {"cm": "{}*cm", "mm": "0.1*{}*cm", "inch": "2.54*{}*cm", "px": "{}"}
+UNITS = {"cm": "{}*cm", "mm": "0.1*{}*cm", "inch": "2.54*{}*cm", "px": "{}", **BODY}
 CORNERS = {
     "topleft": (-1, -1), "topright": (1, -1), "bottomleft": (-1, 1), "bottomright": (1, 1),
     "left": (-1, 0), "right": (1, 0), "top": (0, -1), "bottom": (0, 1),
 }  # fmt: skip
 
-_LENGTH = re.compile(r"([0-9.]+)(cm|mm|inch|px)")
+_LENGTH = re.compile(r"([0-9.]+)(cm|mm|inch|px|finger|thumb|hand|foot|arm)")
 _PLACE = re.compile(r"([a-z_]+)\((.*)\)")
 
 
@@ -108,6 +109,13 @@ def _edge(name: str, arguments: Sequence[str]) -> Place:
     return Place(*locations.inside(_letter(arguments[0]), *CORNERS[arguments[1]]))
 
 
+def _corner(name: str, arguments: Sequence[str]) -> Place:
+    """Take the corner that is farthest from the robot, or nearest: it stands below the middle."""
+    letter, dv = _letter(arguments[0]), -1 if name == "farcorner" else 1
+    points = tuple(locations.inside(letter, du, dv) for du in (dv, -dv))
+    return Place("", "", ("A left", "A right"), points)
+
+
 def _between(name: str, arguments: Sequence[str]) -> Place:
     del name
     if [_letter(argument) for argument in arguments] != ["a", "b"]:
@@ -159,4 +167,6 @@ _READERS: dict[str, Callable[[str, Sequence[str]], Place]] = {
     "diagonal": _diagonal,
     "cross": _cross,
     "level": _cross,
+    "farcorner": _corner,
+    "nearcorner": _corner,
 }

@@ -13,6 +13,7 @@ from typing import ClassVar, Literal, get_args
 
 from w2c.errors import ConfigError
 from w2c_dialogue.corpus import locations
+from w2c_dialogue.corpus.clauses import same_kind
 from w2c_dialogue.corpus.corrections import Correction
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
@@ -273,7 +274,8 @@ def _draft(text: str, draw: Draw) -> Draft:
     draft, at = Draft(), 0
     text = text.replace("<", "").replace(">", "")
     for letter, match in zip("abc", _THING.finditer(text), strict=False):
-        name = match[1] if keep else draw.pick((plain_phrase, phrase))(draw)
+        other = match[1] if keep else same_kind(match[1], draw)
+        name = other or draw.pick((plain_phrase, phrase))(draw)
         _add(draft, text[at : match.start()], "")
         _add(draft, name, letter)
         at = match.end()
