@@ -11,6 +11,7 @@ from w2c_dialogue.corpus import locations
 from w2c_dialogue.corpus.asides import with_aside
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.measures import body_length
 from w2c_dialogue.corpus.phrases import article, phrase
 
 WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
@@ -100,6 +101,15 @@ def _direction(draw: Draw) -> Correction:
     du, dv = WAYS[way]
     x, y = term("target.u", du, size), term("target.v", dv, size)
     return Correction(_finish(draw, said, {}), x, y)
+
+
+def _by_body(draw: Draw) -> Correction:
+    """Go by a length of the body: `two fingers up`."""
+    way = draw.pick(tuple(WAYS))
+    (said, size), to, (du, dv) = body_length(draw), draw.pick(words.TO[way]), WAYS[way]
+    text = draw.pick((f"{said} {to}", f"{said} {to}", f"{to} {said}", f"{to} by {said}"))
+    x, y = term("target.u", du, size), term("target.v", dv, size)
+    return Correction(_finish(draw, text, {}), x, y)
 
 
 def _diagonal(draw: Draw) -> Correction:
@@ -273,7 +283,8 @@ def _pixels(draw: Draw) -> Correction:
 
 
 _KINDS = (
-    (0.34, _direction),
+    (0.31, _direction),
+    (0.03, _by_body),
     (0.1, _diagonal),
     (0.06, _two_amounts),
     (0.17, _history),

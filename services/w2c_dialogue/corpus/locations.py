@@ -168,6 +168,9 @@ def _side(draw: Draw) -> Location:
     elif roll < 0.4:
         words, size = distance(draw)
         text = f"{words} {text}"
+    elif roll < 0.47:
+        words, size = body_length(draw)
+        text = f"{words} {text}"
     return Location(f"{text} {{A}}", *beside("a", du, dv, size))
 
 

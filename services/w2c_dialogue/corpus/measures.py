@@ -18,8 +18,8 @@ _ONE = meanings("""
 finger: a finger, a finger's width, one finger, a finger's breadth, a finger width, the width of a
 finger, the thickness of a finger | thumb: a thumb, a thumb's width, one thumb, a thumb's breadth, a
 thumb width, the width of a thumb, the width of your thumb | hand: a hand's width, a hand's breadth,
-a hand width, one hand, a palm, a palm's width, the width of a hand, the width of your hand, one
-palm, a handbreadth, a hand, the width of a palm | foot: a foot, one foot, about a foot | arm: an
+a hand width, a palm's width, the width of a hand, the width of your hand, a handbreadth, the width
+of a palm, one hand's width | foot: a foot, one foot, about a foot | arm: an
 arm's length, one arm's length, the length of an arm, an arm length
 """)
 """Not `a palm` or `one hand` alone: of "put a palm left of the cup" it is the palm that goes"""

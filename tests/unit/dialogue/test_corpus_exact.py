@@ -82,6 +82,22 @@ def test_two_amounts_differ_and_belong_to_their_directions() -> None:
     assert seen > 5
 
 
+def test_a_length_by_the_body_goes_in_the_direction_that_is_said() -> None:
+    source, seen = draw(), 0
+    for _ in range(200):
+        made = corrections._by_body(source)
+        symbols = correction_symbols(SCENE)
+        text = " ".join(made.draft.words)
+        found = re.search(r"two fingers.* (left|right|up|down)(wards)?\b", text)
+        if found is None or re.search(r"move your (left|right) hand", text):
+            continue
+        way = {"left": (-40, 0), "right": (40, 0), "up": (0, -40), "down": (0, 40)}[found[1]]
+        moved = evaluate(made.x, symbols) - 640, evaluate(made.y, symbols) - 360
+        assert moved == pytest.approx(way)
+        seen += 1
+    assert seen
+
+
 def test_left_and_right_edges_are_named_as_often_as_near_and_far_ones() -> None:
     source = draw()
     places = Counter(locations._edge(source).x for _ in range(2000))
