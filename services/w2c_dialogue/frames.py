@@ -82,7 +82,7 @@ class FrameStore:
             if stamp_ns >= 0 and not _same(robot_boot_id, self._boot_id):
                 raise RefusedError(RESTARTED)
             self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=wait_s)
-            if not self._frames:
+            if not self._frames and stamp_ns < 0:
                 raise RefusedError(
                     "I have no picture: the camera does not send. Check `w2c status`, then say it "
                     "again."
@@ -123,7 +123,8 @@ class FrameStore:
         """Say whether nothing more is to be expected for a stamp."""
         stamp = self._resolve(stamp_ns)
         if stamp not in self._frames:
-            return not self._frames or stamp < next(reversed(self._frames))
+            # A picture that the operator saw was sent: the first one may still be on its way.
+            return stamp < next(reversed(self._frames), 0)
         return not self._views or self._view(self._frames[stamp]) is not None
 
     def _view(self, frame: Frame) -> CameraView | None:

@@ -95,6 +95,19 @@ def test_a_picture_on_its_way_is_waited_for_with_its_pose() -> None:
     assert found[0].view is not None
 
 
+def test_the_first_picture_of_all_is_waited_for_where_the_operator_saw_it() -> None:
+    store = FrameStore()
+    found: list[Frame] = []
+    thread = threading.Thread(target=lambda: found.append(store.find(2, wait_s=60.0)))
+    thread.start()
+    thread.join(0.05)
+    store.add_frame(frame(2))
+    thread.join(10.0)
+    assert [one.stamp_ns for one in found] == [2]
+    with pytest.raises(RefusedError, match="Look at the live picture"):
+        FrameStore().find(2)
+
+
 def test_no_camera_is_said_at_once() -> None:
     with pytest.raises(RefusedError, match="camera does not send"):
         FrameStore().find(-1, wait_s=60.0)
