@@ -195,7 +195,7 @@ def _object(draw: Draw) -> Correction:
     """Refer to an object."""
     things = {"A": phrase(draw, surface=draw.chance(0.5))}
     a = f"{article(draw)} {{A}}".strip()
-    roll = draw.below(14)
+    roll = draw.below(15)
     for below, make in _OBJECT_KINDS:
         if roll < below:
             return make(draw, a, things)
@@ -297,6 +297,6 @@ _OBJECT_KINDS = (
     (8, _edge),
     (9, _onto),
     (11, _beside),
-    (12, _align),
-    (13, _object_sized),
+    (13, _align),
+    (14, _object_sized),
 )

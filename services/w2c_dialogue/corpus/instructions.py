@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from w2c_dialogue.corpus import locations
 from w2c_dialogue.corpus.asides import with_aside
+from w2c_dialogue.corpus.clauses import one_phrase
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.phrases import article, phrase, place, plain_phrase
@@ -96,6 +97,19 @@ thing, | no, I said | no, use something else, | wrong one, | no wait,
 )
 
 
+OTHER_SHARE = 0.06
+OTHER_THINGS = names(
+    """
+no, the {A} | no the {A} | not this one, the {A} | not that one, the {A} | not this, the {A} | no,
+not that, the {A} | wrong one, the {A} | I meant the {A} | no, I meant the {A} | sorry, the {A} |
+nope, {A} | the {A} instead | no no, the {A} please | rather the {A} | the {A}, not this one | the
+{A} I said | wrong thing, I want the {A} | not it, the {A} | hm no, the {A} | the {A} rather
+""",
+    "|",
+)
+"""A new target in place of the one that is shown"""
+
+
 @dataclass(frozen=True)
 class Instruction:
     """A first instruction with everything that is to be understood from it."""
@@ -183,11 +197,24 @@ def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
     return draw.pick(frames), name
 
 
+def _other_thing(draw: Draw) -> Instruction:
+    """Reject what is shown for another thing, which is a new target: `no, the blue one`."""
+    template, effector = draw.pick(OTHER_THINGS), "unspecified"
+    if draw.chance(0.35):
+        limb, effector = _limb(draw)
+        template = f"{template}, {limb}"
+    draft = Draft()
+    draft.fill(template, {"A": draw.pick((one_phrase, one_phrase, plain_phrase))(draw)})
+    return Instruction(draft, "absolute", "", "", "", effector, "contact")
+
+
 def instruction(draw: Draw, kind: str, *, plain: bool) -> Instruction:
     """Return an instruction whose position is of this kind: absolute or relative.
 
     `plain`: in few words, as most are; else with all that people may say around it.
     """
+    if kind == "absolute" and not plain and draw.chance(OTHER_SHARE):
+        return _other_thing(draw)
     location = locations.absolute(draw) if kind == "absolute" else locations.relative(draw)
     reach = draw.chance(0.32)
     text = "{A}" if reach and kind == "absolute" else location.text

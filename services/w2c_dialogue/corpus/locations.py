@@ -98,7 +98,7 @@ one pixel | 0.1*1*cm: a millimeter, one millimetre | 2.54*0.5*cm: half an inch |
 centimeter, half a cm | 100*0.5*cm: half a meter, half a metre
 """)
 """Lengths without a number, with their expressions."""
-REPAIRED_SHARE = 0.06
+REPAIRED_SHARE = 0.12
 """How often a number is taken back for another while it is said"""
 PARTS_OF_THE_WAY = meanings("""
 0.33: one third, a third | 0.25: a quarter | 0.67: two thirds | 0.75: three quarters

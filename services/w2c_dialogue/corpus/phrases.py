@@ -1,6 +1,6 @@
 """Noun phrases: the ways people name a thing, up to "the thing with the wooden handle"."""
 
-from w2c_dialogue.corpus.clauses import use_phrase
+from w2c_dialogue.corpus.clauses import one_phrase, use_phrase
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.more_things import RARER, compound, sounds_like_a_word
 from w2c_dialogue.corpus.things import (
@@ -103,6 +103,8 @@ def phrase(draw: Draw, *, surface: bool = False) -> str:
         return f"{draw.pick(PARTS)} of the {noun(draw, surface=surface)}"
     if roll < 0.19:
         return use_phrase(draw)
+    if roll < 0.21:
+        return one_phrase(draw)
     words = [*_adjectives(draw), noun(draw, surface=surface)]
     if draw.chance(0.06):
         words.append(_attribute(draw))

@@ -163,6 +163,17 @@ def test_asides_are_no_part_of_a_name() -> None:
     assert with_aside("the {A}'s lid", draw()) == "the {A}'s lid"
 
 
+def test_another_thing_is_a_new_target_and_what_is_rejected_is_none() -> None:
+    source = draw()
+    for _ in range(200):
+        made = instructions._other_thing(source)
+        utterance, spans = made.draft.finish()
+        assert made.position == "absolute"
+        assert len(spans) == 1
+        assert spans[0] in naming_spans(utterance)
+        assert utterance.phrase(spans[0]) not in ("this one", "that one", "wrong one")
+
+
 def test_of_a_repaired_limb_the_one_that_is_meant_counts() -> None:
     source, seen = draw(), set()
     for _ in range(500):
