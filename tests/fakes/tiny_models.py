@@ -10,10 +10,24 @@ from typing import Any
 
 import torch
 
+from w2c_grounding.train.model import Size
 from w2c_grounding.train.tokens import START, learn_merges, make_vocabulary
 
 WORDS = ("the", "a", "red", "blue", "green", "book", "cup", "square", "photo", "of", "inch", "disk")
 LONGEST_TEXT = 24
+TINY = Size(
+    image=64,
+    patch=16,
+    width=32,
+    layers=2,
+    heads=2,
+    extract=(0, 1),
+    text_width=32,
+    text_layers=1,
+    projection=16,
+    reduced=16,
+)
+"""Of a checkpoint of this project's own layout"""
 
 # Of bert-base-uncased; transformers looks for them by these numbers.
 _BERT_TOKENS = {0: "[PAD]", 100: "[UNK]", 101: "[CLS]", 102: "[SEP]", 103: "[MASK]"}

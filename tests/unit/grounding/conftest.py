@@ -5,22 +5,10 @@ from pathlib import Path
 import pytest
 import torch
 
-from fakes.tiny_models import tiny_clip, tiny_grounding_dino, tiny_owlv2
+from fakes.tiny_models import TINY, tiny_clip, tiny_grounding_dino, tiny_owlv2
 from w2c_grounding.card import ModelCard
-from w2c_grounding.train.model import Size, new_model, new_processor, save
+from w2c_grounding.train.model import new_model, new_processor, save
 
-TINY = Size(
-    image=64,
-    patch=16,
-    width=32,
-    layers=2,
-    heads=2,
-    extract=(0, 1),
-    text_width=32,
-    text_layers=1,
-    projection=16,
-    reduced=16,
-)
 WORDS = ["the", "red", "blue", "book", "cup"]
 
 

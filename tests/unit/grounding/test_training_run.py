@@ -9,28 +9,16 @@ import pytest
 import torch
 
 from fakes.rendered import write_pictures
+from fakes.tiny_models import TINY
 from w2c.clock import StepClock
 from w2c.errors import ConfigError, ModelError
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import load
 from w2c_grounding.train.commands import train
-from w2c_grounding.train.model import Size
 from w2c_grounding.train.plan import Plan
 from w2c_grounding.train.run import Run, Task
 from w2c_grounding.train.score import Trial, calibrate, score_model, summarise
 
-TINY = Size(
-    image=64,
-    patch=16,
-    width=32,
-    layers=2,
-    heads=2,
-    extract=(0, 1),
-    text_width=32,
-    text_layers=1,
-    projection=16,
-    reduced=16,
-)
 PLAN = Plan(windows=4, wholes=2, window_cells=2, warm_up=2)
 
 
