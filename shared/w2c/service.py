@@ -6,6 +6,7 @@ clock, a log, health reports, and an orderly end at SIGTERM and SIGINT.
 """
 
 import logging
+import math
 import os
 import signal
 import threading
@@ -28,6 +29,7 @@ from w2c.messages import Health
 C = TypeVar("C", bound=ServiceConfig)
 
 HEALTH_PERIOD_S = 1.0
+SIGNAL_PERIOD_S = 0.2
 
 
 class Node(Protocol):
@@ -109,9 +111,26 @@ class HealthReporter:
             self.report()
 
 
+class SignalledEvent(threading.Event):
+    """An event for signal handlers to set. Its waiter looks for signals by itself.
+
+    The kernel may give a signal to any thread, one of Zenoh's for example. Python runs the handler
+    in the main thread, and nothing wakes that one from a lock it waits for: one SIGTERM in eight to
+    a router whose clients ended in the same moment was never heeded.
+    """
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait up to `timeout` [s]; None: for ever. Tells whether the event is set."""
+        deadline = math.inf if timeout is None else time.monotonic() + timeout
+        while not super().wait(min(SIGNAL_PERIOD_S, max(deadline - time.monotonic(), 0.0))):
+            if time.monotonic() >= deadline:
+                return False
+        return True
+
+
 def stop_on_signals() -> threading.Event:
     """Return an event that SIGTERM and SIGINT set."""
-    stop = threading.Event()
+    stop = SignalledEvent()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
     return stop

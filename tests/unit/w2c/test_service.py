@@ -1,6 +1,8 @@
 """The life cycle of a process."""
 
+import signal
 import threading
+from collections.abc import Iterator
 
 import pytest
 
@@ -8,7 +10,7 @@ from w2c import topics
 from w2c.bus import Bus, InProcessHub
 from w2c.clock import Clock, RealClock
 from w2c.errors import ModelError
-from w2c.service import run_node
+from w2c.service import run_node, stop_on_signals
 
 
 class Scripted:
@@ -96,3 +98,27 @@ def test_what_the_process_is_is_in_each_report() -> None:
         found.append(received.message.facts)
     assert found
     assert all(one == facts for one in found)
+
+
+@pytest.fixture
+def stop() -> Iterator[threading.Event]:
+    """The event of a process; the handlers of the test run come back afterwards."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+    yield stop_on_signals()
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_a_signal_that_another_thread_got_ends_the_wait(stop: threading.Event) -> None:
+    def get_it() -> None:
+        signal.pthread_kill(threading.get_ident(), signal.SIGTERM)
+
+    timer = threading.Timer(0.1, get_it)
+    timer.start()
+    assert stop.wait(10.0)
+    timer.join()
+
+
+def test_a_wait_without_a_signal_ends_in_time(stop: threading.Event) -> None:
+    assert not stop.wait(0.0)
+    assert not stop.wait(0.3)
