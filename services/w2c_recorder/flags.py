@@ -106,11 +106,11 @@ def _export(actions: "_Actions[argparse.ArgumentParser]") -> argparse.ArgumentPa
     action = _add(actions, "export", "write it for other programs")
     action.add_argument(
         "--to",
-        choices=("csv", "parquet", "dataset", "mp4", "foxglove"),
+        choices=("csv", "parquet", "dataset", "mp4", "foxglove", "rerun"),
         required=True,
         help="csv, parquet: one stream as a table; dataset: the conversations, for training; "
         "mp4: the camera's pictures as a film; foxglove: the recording with channels that "
-        "Foxglove and Rerun show, where it has none",
+        "Foxglove and Rerun show, where it has none; rerun: a file in Rerun's own columns",
     )
     action.add_argument("--channel", default="", metavar="KIND/SERVICE/NAME", help="of a table")
     action.add_argument("--out", type=Path, metavar="PATH", help="file, or directory of a dataset")

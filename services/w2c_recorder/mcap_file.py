@@ -121,6 +121,8 @@ class McapFile:
         metadata: dict[str, str],
         compression: Compression = "lz4",
         mirror: "Mirror | None" = None,
+        *,
+        shown_alone: bool = False,
     ) -> None:
         """Make the file.
 
@@ -129,6 +131,7 @@ class McapFile:
             metadata: of the session.
             compression: of its chunks.
             mirror: what repeats messages for Foxglove and Rerun; None = nothing is repeated.
+            shown_alone: what the mirror makes of the messages is written, and they are not.
         """
         self.path = path
         self.messages = 0
@@ -138,6 +141,7 @@ class McapFile:
         """Messages without a readable envelope; recorded all the same."""
         self.losses = LossCounter()
         self._mirror = mirror
+        self._shown_alone = shown_alone
         self._clocks: dict[str, int] = {}
         """Sender -> least time that a message was on its way, by both clocks [ns]"""
         self._channels: dict[str, int] = {}
@@ -175,16 +179,17 @@ class McapFile:
             age_ns = log_time_ns - head.clock_ns
             if age_ns < self._clocks.get(head.sender, FOREVER_NS):
                 self._clocks[head.sender] = age_ns
-        with self._writing():
-            self._writer.add_message(
-                self._channel_of(received.key),
-                log_time=log_time_ns,
-                data=received.payload,
-                # Bounded to what MCAP has room for, because a sender may send nonsense.
-                publish_time=min(max(publish_time_ns, 0), 2**64 - 1),
-                sequence=sequence & 0xFFFF_FFFF,
-            )
-        self.messages += 1
+        if not self._shown_alone:
+            with self._writing():
+                self._writer.add_message(
+                    self._channel_of(received.key),
+                    log_time=log_time_ns,
+                    data=received.payload,
+                    # Bounded to what MCAP has room for, because a sender may send nonsense.
+                    publish_time=min(max(publish_time_ns, 0), 2**64 - 1),
+                    sequence=sequence & 0xFFFF_FFFF,
+                )
+            self.messages += 1
         if self._mirror is not None:
             self._repeat(self._mirror, received, log_time_ns, publish_time_ns)
 
