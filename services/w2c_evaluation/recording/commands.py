@@ -1,13 +1,17 @@
 """`w2c bench recording`."""
 
+import shutil
+import sys
 import tempfile
 from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
+import numpy as np
 
 from w2c.config import parse
 from w2c.library import library
+from w2c_evaluation.recording.killed import kill_session
 from w2c_evaluation.results import make_results, results_table, row, write_results
 
 LONGEST_LOSS_S = 1.0
@@ -23,6 +27,10 @@ class RecordingBenchConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Of the messages [MB/s]: pictures as JPEG, pictures as they are."""
     kills: Annotated[int, msgspec.Meta(ge=0, le=1000)] = 2
     """Recorders to kill at random moments."""
+    demo_kills: Annotated[int, msgspec.Meta(ge=0, le=1000)] = 0
+    """Whole demos (`w2c demo`) to kill at random moments, each with all its processes."""
+    demo_seconds: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 30.0
+    """The latest moment, from when a demo begins to record [s]; it must not have ended by then."""
     directory: str = ""
     """For the recordings, on the disk that is to be measured; empty = the temporary one. They are
     removed."""
@@ -40,6 +48,7 @@ def bench(arguments: list[str] | None = None) -> int:
             Path(directory), config.rates, config.seconds, config.kills, config.seed
         )
         rows = [row(one.case, one.metric, one.values, one.unit) for one in figures]
+        rows += _demo_rows(Path(directory), config)
     results = make_results("recording", config.seed, rows)
     if config.json:
         write_results(results, Path(config.json))
@@ -48,6 +57,26 @@ def bench(arguments: list[str] | None = None) -> int:
     for line in over:
         print(line)
     return 1 if over else 0
+
+
+def _demo_rows(directory: Path, config: RecordingBenchConfig) -> list[dict[str, Any]]:
+    """Kill demos, one after the other; return what was lost."""
+    rng = np.random.default_rng(config.seed)
+    lost_s = []
+    for number in range(config.demo_kills):
+        run_directory = directory / f"demo-{number}"
+        command = [
+            *(sys.executable, "-m", "w2c.cli", "demo"),
+            *("--run-directory", str(run_directory), "--seed", str(config.seed + number)),
+        ]
+        found = kill_session(command, run_directory, float(rng.uniform(0.0, config.demo_seconds)))
+        print(f"demo {number}: {found.messages} messages, {found.lost_s:.2f} s lost", flush=True)
+        lost_s.append(found.lost_s)
+        shutil.rmtree(run_directory)
+    if not lost_s:
+        return []
+    case = "kill -9 of the demo"
+    return [row(case, "lost_time", lost_s, "s"), row(case, "worst_lost_time", [max(lost_s)], "s")]
 
 
 def over_budget(rows: list[dict[str, Any]]) -> list[str]:
