@@ -14,7 +14,7 @@ from w2c.geometry import Intrinsics, Matrix, apply
 from w2c_perception.fitness import Demands
 from w2c_perception.heights import on_arms
 from w2c_perception.patch import Points
-from w2c_perception.window import USUAL_NOISE, Depth
+from w2c_perception.window import USUAL_NOISE, DepthPicture
 
 SAMPLE_STEP = 4
 """Every so many pixels depth is read [px]"""
@@ -58,7 +58,7 @@ class _Planes:
 
 
 def allowed_cells(
-    depth: Depth,
+    depth: DepthPicture,
     intrinsics: Intrinsics,
     world_from_camera: Matrix,
     arms: Points,
@@ -119,7 +119,7 @@ def _bridged(z: Points, seen: npt.NDArray[np.bool_]) -> tuple[Points, npt.NDArra
     return np.where(seen, z, np.where(near, mean, 1.0)), near
 
 
-def _noise(depth: Depth) -> float:
+def _noise(depth: DepthPicture) -> float:
     """Return the noise of a picture over that of usual cameras."""
     z = depth[::SAMPLE_STEP].astype(np.float64)
     left, middle, right = z[:, :-2:7], z[:, 1:-1:7], z[:, 2::7]

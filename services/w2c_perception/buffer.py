@@ -5,14 +5,14 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from w2c.depth import decode_depth
+from w2c.depth import unpack_depth
 from w2c.errors import RefusedError
 from w2c.geometry import Intrinsics, inverse
 from w2c.messages import Array, CameraFrame
 from w2c.stance import Stance
 from w2c_perception.pose import CameraPose
+from w2c_perception.window import DepthPicture
 
 MAX_GAP_NS = 100_000_000
 """Joint angles further apart are not interpolated: the robot may have gone there and back."""
@@ -62,7 +62,7 @@ class View:
         self.angle_error = angle_error
         self.depth_unit = frame.depth_unit
 
-    def unpack_depth(self) -> npt.NDArray[np.float32]:
+    def unpack_depth(self) -> DepthPicture:
         """Return the depth (h, w) [m], 0 = unknown. Not kept here, see `DepthMemory`.
 
         Raises:
@@ -70,9 +70,9 @@ class View:
         """
         if not self.frame.depth:
             return np.zeros((self.height, self.width), np.float32)
-        return decode_depth(self.frame.depth, self.width, self.height, self.depth_unit)
+        return unpack_depth(self.frame.depth, self.width, self.height, self.depth_unit)
 
-    def blur(self, depth: npt.NDArray[np.float32], u: float, v: float, lag_s: float) -> float:
+    def blur(self, depth: DepthPicture, u: float, v: float, lag_s: float) -> float:
         """Return how far depth may be beside the colours at a pixel [px]; 0 outside of it.
 
         Args:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from w2c.errors import MessageError, RefusedError
 from w2c.geometry import Intrinsics, Matrix, apply, inverse
 from w2c_perception.registration import pixels_of, within
-from w2c_perception.window import Depth
+from w2c_perception.window import DepthPicture
 
 Colours = npt.NDArray[np.uint8]
 
@@ -54,7 +54,7 @@ def decode_colours(jpeg: bytes, width: int, height: int) -> Colours:
 
 
 def point_cloud(
-    depth: Depth,
+    depth: DepthPicture,
     colours: Colours,
     intrinsics: Intrinsics,
     world_from_camera: Matrix,
@@ -80,12 +80,13 @@ def point_cloud(
     Raises:
         RefusedError: there would be more.
     """
-    known = depth[depth > 0.0]
+    whole = depth[:]
+    known = whole[whole > 0.0]
     if not known.size:
         return _means(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), np.int64))
     spacing = float(known.min()) / intrinsics.fx
     stride = max(1, int(voxel / (DENSER * spacing)))
-    thinned = depth[::stride, ::stride]
+    thinned = whole[::stride, ::stride]
     rows, columns = np.nonzero(thinned > 0.0)
     z = thinned[rows, columns].astype(np.float64)
     along = intrinsics.rays(columns * stride + 0.5, rows * stride + 0.5)

@@ -4,14 +4,14 @@ import threading
 from collections import OrderedDict
 
 from w2c_perception.buffer import View
-from w2c_perception.window import Depth
+from w2c_perception.window import DepthPicture
 
 
 class DepthMemory:
     """Unpacks a depth once. Thread-safe.
 
     A picture is asked about many times in a row: candidates for a target, a target and its
-    corrections, heights, the allowed area. Unpacked it is fifty times as large as it came, so only
+    corrections, heights, the allowed area. Unpacked it is ten times as large as it came, so only
     the last few are kept.
     """
 
@@ -23,10 +23,10 @@ class DepthMemory:
         """
         self._kept = kept
         self._lock = threading.Lock()
-        self._depths: OrderedDict[View, Depth] = OrderedDict()
+        self._depths: OrderedDict[View, DepthPicture] = OrderedDict()
 
-    def of(self, view: View) -> Depth:
-        """Return the depth (h, w) of a view [m], 0 = unknown; not to be written to.
+    def of(self, view: View) -> DepthPicture:
+        """Return the depth (h, w) of a view [m], 0 = unknown.
 
         Raises:
             MessageError: the camera sent something else.
@@ -39,7 +39,6 @@ class DepthMemory:
         # Without the lock: who asks about another picture need not wait, and one that is unpacked
         # twice does no harm.
         depth = view.unpack_depth()
-        depth.flags.writeable = False
         with self._lock:
             self._depths[view] = depth
             while len(self._depths) > self._kept:

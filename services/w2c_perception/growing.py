@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from w2c.errors import RefusedError
 from w2c_perception.patch import LINEAR, QUADRATIC, Normals, Patch, terms
-from w2c_perception.window import GRAZING, Depth, Points, Samples, Seed, samples
+from w2c_perception.window import GRAZING, DepthPicture, Points, Samples, Seed, samples
 
 SMALLEST = 5.0
 """Radius of the first disc [px]"""
@@ -52,7 +52,7 @@ class Piece:
     """Largest difference of 1 / z at the pixel between this piece and the smaller ones [1/m]"""
 
 
-def grow(depth: Depth, seed: Seed, focal: float, footprint: float, sigma: float) -> Piece:
+def grow(depth: DepthPicture, seed: Seed, focal: float, footprint: float, sigma: float) -> Piece:
     """Return the largest piece up to the footprint.
 
     Args:
@@ -87,7 +87,7 @@ def _value(piece: Piece) -> float:
     return float(piece.patch.coefficients[0])
 
 
-def _first(depth: Depth, seed: Seed, radius: float, focal: float, sigma: float) -> Piece:
+def _first(depth: DepthPicture, seed: Seed, radius: float, focal: float, sigma: float) -> Piece:
     """Return the smallest piece: the pixels around that are about as deep.
 
     Raises:

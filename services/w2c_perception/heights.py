@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from w2c.geometry import Intrinsics, Matrix, apply
 from w2c_perception.patch import Points
-from w2c_perception.window import Depth
+from w2c_perception.window import DepthPicture
 
 Heights = npt.NDArray[np.float32]
 
@@ -41,7 +41,7 @@ class Area:
 
 
 def height_field(
-    depth: Depth,
+    depth: DepthPicture,
     intrinsics: Intrinsics,
     world_from_camera: Matrix,
     arms: Points,
@@ -74,7 +74,7 @@ def height_field(
     return np.asarray(heights.reshape(rows, columns))
 
 
-def _points(depth: Depth, intrinsics: Intrinsics, world_from_camera: Matrix) -> Points:
+def _points(depth: DepthPicture, intrinsics: Intrinsics, world_from_camera: Matrix) -> Points:
     """Return points (n, 3) in the world, thinned to `SPACING`."""
     stride = max(1, int(SPACING * intrinsics.fx))
     thinned = depth[::stride, ::stride]

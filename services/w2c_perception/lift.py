@@ -13,7 +13,7 @@ from w2c.errors import RefusedError
 from w2c.geometry import Intrinsics, Matrix, Vector, apply
 from w2c_perception.growing import Piece, grow
 from w2c_perception.surroundings import look_around
-from w2c_perception.window import SMALLEST_NOISE, Depth, Seed, find_seed, noise, samples
+from w2c_perception.window import SMALLEST_NOISE, DepthPicture, Seed, find_seed, noise, samples
 
 COVERS = 2.0
 """Standard deviations of the noise's share of the error bound"""
@@ -48,7 +48,7 @@ class Surface:
 
 
 def lift(
-    depth: Depth,
+    depth: DepthPicture,
     intrinsics: Intrinsics,
     world_from_camera: Matrix,
     u: float,
@@ -100,7 +100,7 @@ def lift(
     )
 
 
-def check_pixel(depth: Depth, u: float, v: float) -> None:
+def check_pixel(depth: DepthPicture, u: float, v: float) -> None:
     """Raise RefusedError for a pixel outside of the picture."""
     height, width = depth.shape
     if not (np.isfinite(u) and np.isfinite(v) and 0.0 <= u < width and 0.0 <= v < height):
@@ -153,7 +153,7 @@ def _error_bound(
 
 
 def _blur_error(
-    depth: Depth, intrinsics: Intrinsics, point: Vector, u: float, v: float, blur: float
+    depth: DepthPicture, intrinsics: Intrinsics, point: Vector, u: float, v: float, blur: float
 ) -> float:
     """Return how far away [m] the farthest of the points is that the pixel may have shown."""
     if blur <= 0.0:
@@ -165,7 +165,7 @@ def _blur_error(
 
 
 def _flatness(
-    depth: Depth,
+    depth: DepthPicture,
     intrinsics: Intrinsics,
     point: Vector,
     normal: Vector,

@@ -5,7 +5,7 @@ import threading
 from w2c.errors import MessageError, RefusedError
 from w2c_perception.buffer import View, ViewBuffer
 from w2c_perception.depths import DepthMemory
-from w2c_perception.window import Depth
+from w2c_perception.window import DepthPicture
 
 
 class PictureMemory:
@@ -41,7 +41,7 @@ class PictureMemory:
             self._boot_id = boot_id
         self._depths.clear()
 
-    def look(self, stamp_ns: int, robot_boot_id: str = "") -> tuple[View, Depth]:
+    def look(self, stamp_ns: int, robot_boot_id: str = "") -> tuple[View, DepthPicture]:
         """Return the view of a stamp with its depth (h, w) [m].
 
         Args:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from w2c.errors import RefusedError
 from w2c.geometry import Intrinsics, Matrix, Vector, apply
-from w2c_perception.window import EDGE_NOISE, EDGE_STEP, GRAZING, USUAL_NOISE, Depth, Points
+from w2c_perception.window import EDGE_NOISE, EDGE_STEP, GRAZING, USUAL_NOISE, DepthPicture, Points
 
 NEAREST, FARTHEST = 0.2, 16.0
 """Where on a ray a surface is looked for, z-depth in the colours' camera [m]"""
@@ -39,7 +39,7 @@ class Match:
 
 
 def find_in_depth(
-    depth: Depth, intrinsics: Intrinsics, depth_from_colours: Matrix, u: float, v: float
+    depth: DepthPicture, intrinsics: Intrinsics, depth_from_colours: Matrix, u: float, v: float
 ) -> Match:
     """Return where in a depth picture the thing is that a pixel of the colours shows.
 
@@ -78,7 +78,7 @@ def find_in_depth(
 
 def to_colours(
     cells: npt.NDArray[np.uint8],
-    depth: Depth,
+    depth: DepthPicture,
     intrinsics: Intrinsics,
     depth_from_colours: Matrix,
     side: int,
@@ -116,13 +116,13 @@ def pixels_of(intrinsics: Intrinsics, points: Points) -> Points:
     return np.where(points[:, 2:] > 0.0, pixels, -1.0)
 
 
-def within(pixels: Points, depth: Depth) -> npt.NDArray[np.bool_]:
+def within(pixels: Points, depth: DepthPicture) -> npt.NDArray[np.bool_]:
     """Tell which pixels (n, 2) are in a picture (h, w)."""
     height, width = depth.shape
     return np.asarray(((pixels >= 0.0) & (pixels < (width, height))).all(axis=1))
 
 
-def _look_up(depth: Depth, pixels: Points) -> Vector:
+def _look_up(depth: DepthPicture, pixels: Points) -> Vector:
     """Return what was measured at pixels (n, 2) [m]; 0 = unknown, or outside of the picture."""
     inside = within(pixels, depth)
     columns, rows = np.where(inside[:, None], pixels, 0.0).astype(np.intp).T

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import Intrinsics, Vector, frame_from_normal
-from w2c_perception.window import Depth, Points
+from w2c_perception.window import DepthPicture, Points
 
 LARGEST = 0.25
 """Nobody asks how a surface goes on beyond this [m]"""
@@ -43,7 +43,7 @@ class Surroundings:
 
 
 def look_around(
-    depth: Depth, intrinsics: Intrinsics, point: Vector, normal: Vector, sigma: float
+    depth: DepthPicture, intrinsics: Intrinsics, point: Vector, normal: Vector, sigma: float
 ) -> Surroundings:
     """Return how the surface goes on around a point.
 

@@ -1,14 +1,13 @@
 """Pixels with depth around a pixel: which surface is meant, and how noisy its depth is."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import RefusedError
 
-Depth = npt.NDArray[np.float32]
 Points = npt.NDArray[np.float64]
 
 NEAR = 2
@@ -33,6 +32,17 @@ SMALLEST_NOISE = 0.00015
 """No depth is better, whatever its noise: lenses and calibration bend it [m]"""
 USUAL_NOISE = (0.001, 0.0015)
 """Of depth cameras, where it cannot be measured: c0 + c1 z^2 [m]"""
+
+
+class DepthPicture(Protocol):
+    """z-depth (h, w) [m], 0 = unknown: an array, or what is scaled where it is read."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Rows and columns."""
+
+    def __getitem__(self, index: Any, /) -> Any:
+        """Return float32 at any index that numpy knows [m]."""
 
 
 class Samples(NamedTuple):
@@ -62,7 +72,7 @@ class Seed:
     """How far behind another surface is that the pixel may show instead [m]; 0 = there is none"""
 
 
-def samples(depth: Depth, u: float, v: float, radius: float, most: int = 29) -> Samples:
+def samples(depth: DepthPicture, u: float, v: float, radius: float, most: int = 29) -> Samples:
     """Return pixels with depth within a radius [px], thinned so that `most` are in a row."""
     reach = int(np.ceil(radius))
     column, row = int(u), int(v)
@@ -77,7 +87,7 @@ def samples(depth: Depth, u: float, v: float, radius: float, most: int = 29) -> 
     return Samples(us[inside], vs[inside], z[inside])
 
 
-def noise(depth: Depth, u: float, v: float, depth_unit: float) -> float:
+def noise(depth: DepthPicture, u: float, v: float, depth_unit: float) -> float:
     """Return the standard deviation of depth around a pixel [m], at least that of its steps.
 
     From second differences along rows and columns, whose median does not see edges, slopes, or the
@@ -113,7 +123,7 @@ def noise(depth: Depth, u: float, v: float, depth_unit: float) -> float:
     return max(float(smallest), sigma)
 
 
-def find_seed(depth: Depth, u: float, v: float, focal: float, sigma: float) -> Seed:
+def find_seed(depth: DepthPicture, u: float, v: float, focal: float, sigma: float) -> Seed:
     """Return the pixel of the nearest surface at (u, v).
 
     On a surface, and in a hole of it, that is the pixel itself. At an edge it is the closest pixel
@@ -146,11 +156,11 @@ class _Window:
     """What is seen in a square around a pixel."""
 
     def __init__(
-        self, depth: Depth, u: float, v: float, reach: int, focal: float, sigma: float
+        self, depth: DepthPicture, u: float, v: float, reach: int, focal: float, sigma: float
     ) -> None:
         row, column = int(v), int(u)
         top, left = max(0, row - reach), max(0, column - reach)
-        window = depth[top : row + reach + 1, left : column + reach + 1]
+        window: npt.NDArray[np.float32] = depth[top : row + reach + 1, left : column + reach + 1]
         rows, columns = np.nonzero(window > 0.0)
         self._u, self._v, self._size = u, v, window.size
         self._focal = focal

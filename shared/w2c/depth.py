@@ -1,5 +1,7 @@
 """Depth on the wire: zstd of little-endian uint16 [v, u], z-depth in units, 0 = unknown."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -22,10 +24,31 @@ def encode_depth(depth: npt.NDArray[np.float32], unit: float = DEPTH_UNIT) -> by
     return bytes(zstandard.ZstdCompressor(level=_LEVEL).compress(units.tobytes()))
 
 
-def decode_depth(
+class UnpackedDepth:
+    """Depth in units of the wire, scaled where it is read: most questions read little of it.
+
+    To be read like an array (h, w) of z-depths [m], 0 = unknown; `[:]` gives that array.
+    """
+
+    def __init__(self, units: npt.NDArray[np.uint16], unit: float) -> None:
+        """Take units (h, w) and what one of them is [m]."""
+        self._units = units
+        self._unit = np.float32(unit)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Rows and columns."""
+        return self._units.shape
+
+    def __getitem__(self, index: Any) -> npt.NDArray[np.float32]:
+        """Return z-depths at any index that numpy knows [m]; a copy."""
+        return np.asarray(self._units[index] * self._unit, dtype=np.float32)
+
+
+def unpack_depth(
     encoded: bytes, width: int, height: int, unit: float = DEPTH_UNIT
-) -> npt.NDArray[np.float32]:
-    """Return z-depths (h, w) [m], 0 = unknown.
+) -> UnpackedDepth:
+    """Return the depth of a picture.
 
     Raises:
         MessageError: the bytes are not a depth picture of this size. Nothing larger is unpacked.
@@ -44,5 +67,11 @@ def decode_depth(
         raw = zstandard.ZstdDecompressor().decompress(encoded, max_output_size=expected)
     except zstandard.ZstdError as error:
         raise MessageError(f"depth is not zstd: {error}") from error
-    units = np.frombuffer(raw, dtype="<u2").reshape(height, width)
-    return np.asarray(units * np.float32(unit), dtype=np.float32)
+    return UnpackedDepth(np.frombuffer(raw, dtype="<u2").reshape(height, width), unit)
+
+
+def decode_depth(
+    encoded: bytes, width: int, height: int, unit: float = DEPTH_UNIT
+) -> npt.NDArray[np.float32]:
+    """Return z-depths (h, w) [m], 0 = unknown. Raises MessageError as `unpack_depth`."""
+    return unpack_depth(encoded, width, height, unit)[:]

@@ -1,10 +1,12 @@
 """Made-up depth: what a camera that looks 45 degrees down sees of planes, boxes, balls and rods."""
 
 import numpy as np
+import numpy.typing as npt
 
 from w2c.geometry import Intrinsics, Matrix, Vector, transform, unit
 from w2c.messages import Array
-from w2c_perception.window import Depth
+
+Depth = npt.NDArray[np.float32]
 
 WIDTH, HEIGHT = 320, 240
 CAMERA = Intrinsics(300.0, 300.0, 160.0, 120.0)

@@ -6,7 +6,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from w2c.depth import DEPTH_UNIT, decode_depth, encode_depth
+from w2c.depth import DEPTH_UNIT, decode_depth, encode_depth, unpack_depth
 from w2c.errors import RefusedError
 from w2c.geometry import apply, inverse
 from w2c.library import library
@@ -140,7 +140,7 @@ class Judge:
         truth = self._truth
         height, width = truth.depth.shape
         started = time.thread_time()
-        depth = decode_depth(self._encoded, width, height)
+        depth = unpack_depth(self._encoded, width, height)
         unpacked = time.thread_time()
         try:
             answer: Any = self._lift(

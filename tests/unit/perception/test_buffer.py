@@ -89,8 +89,8 @@ def test_a_view_of_the_same_instant_replaces_the_former() -> None:
 def test_depth_is_unpacked_and_a_broken_one_is_an_error() -> None:
     depth = np.full((4, 8), 1.25, np.float32)
 
-    assert view(1, encode_depth(depth)).unpack_depth().tolist() == depth.tolist()
-    assert not view(1).unpack_depth().any()
+    assert view(1, encode_depth(depth)).unpack_depth()[:].tolist() == depth.tolist()
+    assert not view(1).unpack_depth()[:].any()
     with pytest.raises(MessageError):
         view(1, b"broken").unpack_depth()
 

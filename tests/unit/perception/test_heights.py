@@ -3,9 +3,9 @@
 import numpy as np
 
 from fakes.table_picture import CAMERA, HEIGHT, WIDTH, camera_pose
+from support.surfaces import Depth
 from w2c.messages import Array
 from w2c_perception.heights import ARM_RADIUS, Area, Heights, height_field
-from w2c_perception.window import Depth
 
 TABLE = 0.75
 BOX = (np.array([0.55, -0.10, TABLE]), np.array([0.65, 0.10, 1.0]))

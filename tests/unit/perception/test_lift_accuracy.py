@@ -75,7 +75,7 @@ def rig() -> Iterator[Rig]:
         studio.data, HEAD_CAMERA, size=(1280, 720), hidden_groups=(HEAD_SHELL_GROUP,)
     )
     bodies = np.append(studio.model.geom_bodyid, -1)[geoms]
-    depth = View(frame, pose, np.zeros(len(position))).unpack_depth()
+    depth = View(frame, pose, np.zeros(len(position))).unpack_depth()[:]
     yield Rig(studio, frame, depth, bodies, pose.world_from_camera)
     studio.close()
 

@@ -5,14 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support.surfaces import CAMERA, HEIGHT, WIDTH, WORLD_FROM_CAMERA, all_rays, quantised
+from support.surfaces import CAMERA, HEIGHT, WIDTH, WORLD_FROM_CAMERA, Depth, all_rays, quantised
 from w2c.errors import RefusedError
 from w2c.geometry import Matrix, apply, inverse, transform
 from w2c.messages import Array
 from w2c_perception.cloud import Box, point_cloud
 from w2c_perception.lift import lift
 from w2c_perception.registration import find_in_depth, to_colours
-from w2c_perception.window import Depth
 
 TABLE, TOP = 0.8, 0.95
 """Heights of a table, and of the box on it [m]"""
