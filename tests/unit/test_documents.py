@@ -29,6 +29,7 @@ SCENES = ROOT / "docs" / "reference" / "scenes.md"
 REFERENCE = ROOT / "docs" / "reference" / "messages.md"
 RESULTS = ROOT / "docs" / "results" / "demo.json"
 PERCEPTION = ROOT / "docs" / "results" / "perception.json"
+CAMERA = ROOT / "docs" / "results" / "camera.json"
 CONTROL = ROOT / "docs" / "results" / "control.json"
 LANGUAGE = ROOT / "docs" / "results" / "language.json"
 GROUNDING = ROOT / "docs" / "results" / "grounding.json"
@@ -62,6 +63,10 @@ def corrections_table() -> str:
 
 TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
     "control": (ROOT / "docs" / "how-to" / "benchmarks.md", control_table),
+    "camera": (
+        ROOT / "docs" / "how-to" / "benchmarks.md",
+        lambda: results_table(json.loads(CAMERA.read_text())),
+    ),
     "language": (
         ROOT / "docs" / "how-to" / "benchmarks.md",
         lambda: language_table(json.loads(LANGUAGE.read_text())),
