@@ -46,7 +46,8 @@ def make_parser() -> argparse.ArgumentParser:
     """Return the parser. What is not given is not in its result: the structs have the defaults."""
     parser = argparse.ArgumentParser(
         prog="w2c replay",
-        description="Play a recording on the bus under a robot's id of its own; or --through one "
+        description="Play a recording on the bus under a robot's id of its own, where "
+        "robot/describe is answered as it was and no other call; or --through one "
         "service, to see whether it answers as it did.",
         argument_default=argparse.SUPPRESS,
         allow_abbrev=False,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from w2c.bus import StandIn
 from w2c.clock import Clock
+from w2c_recorder.replay.answers import NOBODY_ASKED
 from w2c_recorder.replay.lateness import Lateness
 from w2c_recorder.replay.score import Due
 
@@ -20,6 +21,8 @@ class Played:
     messages: int = 0
     bytes: int = 0
     keys: set[str] = field(default_factory=set)
+    answered: set[str] = field(default_factory=set)
+    """Calls that anyone may make: service/method"""
     passes: int = 0
     lateness: Lateness = field(default_factory=Lateness)
 
@@ -96,11 +99,22 @@ class Player:
             self._change(due.process, present=due.present)
         if not due.key:
             return
+        if due.is_answer:
+            self._answer(due)
+            return
         self.played.lateness.add(max(0, self._clock.now_ns() - deadline_ns))
         self._bus.publish_raw(due.key, due.payload, due.priority)
         self.played.messages += 1
         self.played.bytes += len(due.payload)
         self.played.keys.add(due.key)
+
+    def _answer(self, due: Due) -> None:
+        if not due.payload:
+            self._bus.refuse_raw(due.key, NOBODY_ASKED)
+            return
+        self._bus.answer_raw(due.key, due.payload)
+        _, service, _, method = due.key.rsplit("/", 3)
+        self.played.answered.add(f"{service}/{method}")
 
     def _change(self, process: tuple[str, str], *, present: bool) -> None:
         if present == (process in self._present):

@@ -91,11 +91,18 @@ def _report(played: Played, score: Score, recording: Recording, options: ReplayO
     lines = [
         f"played as {options.namespace}: {played.messages} messages of {len(played.keys)} keys, "
         f"{played.bytes / 1e6:.1f} MB{passes}",
+        f"calls answered as they were: {', '.join(sorted(played.answered)) or 'none'}",
         f"sent late: p50 {late['p50']:.2f}, p99 {late['p99']:.2f}, max {late['max']:.2f} ms",
         *score.left_out.lines(),
         *recording.damage.lines(),
     ]
-    return Report(lines, {"messages": played.messages, "bytes": played.bytes, "late_ms": late})
+    values = {
+        "messages": played.messages,
+        "bytes": played.bytes,
+        "answered": sorted(played.answered),
+        "late_ms": late,
+    }
+    return Report(lines, values)
 
 
 def _why_nothing(recording: Recording, selection: Selection, options: ReplayOptions) -> str:

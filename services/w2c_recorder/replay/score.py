@@ -1,6 +1,6 @@
 """What is to be sent, and when: one pass through a recording."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from w2c import messages as m
@@ -8,6 +8,7 @@ from w2c import topics
 from w2c.topics import Priority
 from w2c_recorder.liveliness import Liveliness, is_liveliness_key
 from w2c_recorder.reading import Recorded, Recording, topic_of
+from w2c_recorder.replay.answers import ANSWERED, ANSWERED_NAME, NOBODY_ASKED, Answers
 from w2c_recorder.replay.namespace import Namespace
 from w2c_recorder.replay.selection import Selection
 
@@ -16,6 +17,13 @@ STANDING = frozenset(
     topic for topic in topics.TOPICS if topic.kind == "state" and not topic.rate_hz
 )
 """States that are said when they change: who comes later has to be told"""
+REPEATED = frozenset(
+    topic for topic in topics.TOPICS if topic.kind in ("state", "obs", "health") and topic.rate_hz
+)
+"""What is said again and again: in a part that is played slowly, or of a camera that sends a
+picture only when it is asked, the next one may be far"""
+OF_THE_MOMENT = STANDING | REPEATED | {topics.TURN}
+"""What shows how things stood at a time. The last exchange says where the conversation was"""
 
 
 @dataclass(frozen=True)
@@ -31,6 +39,9 @@ class Due:
     process: tuple[str, str] | None = None
     """Service and instance whose presence changes"""
     present: bool = True
+    is_answer: bool = False
+    """True: nothing is sent; from then on calls of the key are answered with the payload, or
+    refused where that is empty"""
 
     @property
     def size_bytes(self) -> int:
@@ -44,13 +55,18 @@ class LeftOut:
 
     unreadable: dict[str, int] = field(default_factory=dict)
     """Key -> messages without an envelope of this version"""
+    undescribed: bool = False
+    """A start of the robot is played after which nobody asked what it is"""
 
     def lines(self) -> list[str]:
         """Return what people are told."""
-        return [
+        lines = [
             f"left out: {count} messages of {key}, which are none of this version"
             for key, count in sorted(self.unreadable.items())
         ]
+        if self.undescribed:
+            lines.append(f"{ANSWERED_NAME} was not answered all the time: {NOBODY_ASKED}")
+        return lines
 
 
 class Score:
@@ -77,6 +93,9 @@ class Score:
         self._selection = selection
         self._namespace = namespace
         self._start_s, self._end_s = start_s, end_s
+        self._answers = Answers(recording.path)
+        self._answering = ""
+        """Recorded boot id of the robot whose answer was given last"""
         self.left_out = LeftOut()
 
     def one_pass(self) -> Iterator[Due]:
@@ -89,6 +108,7 @@ class Score:
             end_ns = recording.start_ns + round(self._end_s * 1e9)
         self._namespace.begin_pass()
         self.left_out = LeftOut()
+        self._answering = ""
 
         def wanted(key: str) -> bool:
             return selection(key) or is_liveliness_key(key)
@@ -101,12 +121,19 @@ class Score:
             yield from self._due(recorded)
 
     def _standing(self, first_ns: int) -> Iterator[Due]:
-        """Yield what held at a time: who was there, and what is said only when it changes."""
+        """Yield how things stood at a time: who was there, and the newest of what they said."""
 
         def wanted(key: str) -> bool:
-            return is_liveliness_key(key) or (topic_of(key) in STANDING and self._selection(key))
+            return is_liveliness_key(key) or (
+                topic_of(key) in OF_THE_MOMENT and self._selection(key)
+            )
 
-        for recorded in self._recording.newest_before(first_ns, wanted):
+        found = self._recording.newest_before(first_ns, wanted)
+        gone = _gone(found)
+        for recorded in found:
+            # What a process said again and again until it went says nothing of the time after.
+            if topic_of(recorded.key) in REPEATED and _service_of(recorded.key) in gone:
+                continue
             for due in self._due(recorded):
                 yield replace(due, at_ns=first_ns)
 
@@ -125,6 +152,8 @@ class Score:
             message = recorded.decoded().message
             if isinstance(message, m.Health):
                 process = (message.service, message.instance)
+                if message.service == ANSWERED.service:
+                    yield from self._answer(recorded, message.instance)
         yield Due(
             recorded.log_time_ns,
             self._namespace.key(recorded.key),
@@ -133,8 +162,37 @@ class Score:
             process,
         )
 
+    def _answer(self, report: Recorded, instance: str) -> Iterator[Due]:
+        """Yield what the robot that reports said of itself, where another start reported before."""
+        envelope = report.decoded().envelope
+        if envelope is None or envelope.boot_id == self._answering:
+            return
+        self._answering = envelope.boot_id
+        key = ANSWERED.key(self._namespace.robot, instance)
+        answer = self._answers.of(envelope.boot_id)
+        payload = None if answer is None else self._namespace.message(key, answer.payload)
+        if payload is None:
+            self.left_out.undescribed = True
+        yield Due(report.log_time_ns, key, payload or b"", is_answer=True)
+
     def _presence(self, recorded: Recorded) -> Iterator[Due]:
         change = recorded.decoded().message
         if isinstance(change, Liveliness) and self._selection.shows(change.service):
             process = (change.service, change.instance)
             yield Due(recorded.log_time_ns, "", process=process, present=change.alive)
+
+
+def _service_of(key: str) -> str:
+    """Return whose key it is."""
+    return key.split("/")[4]
+
+
+def _gone(found: Iterable[Recorded]) -> set[str]:
+    """Return the services of which each process that was ever seen had gone."""
+    seen: dict[str, bool] = {}
+    for recorded in found:
+        if is_liveliness_key(recorded.key):
+            change = recorded.decoded().message
+            if isinstance(change, Liveliness):
+                seen[change.service] = seen.get(change.service, False) or change.alive
+    return {service for service, is_there in seen.items() if not is_there}

@@ -48,6 +48,7 @@ class BusBase(ABC):
         self.lock_step = False
         self._sequences: dict[str, Iterator[int]] = {}
         self._counters: dict[str, int] = {}
+        self._raw_answers: dict[str, tuple[bool, bytes]] = {}
         self._lock = threading.Lock()
 
     def __enter__(self) -> Self:
@@ -99,9 +100,17 @@ class BusBase(ABC):
 
     def publish_raw(self, key: str, payload: bytes, priority: Priority) -> None:
         """Send the bytes of a message in another process's name, for a replay."""
-        if not key.startswith(f"w2c/{topics.VERSION}/{self.robot}/"):
-            raise MessageError(f"{key} is not of {self.robot}, the robot of this connection")
+        self._check_robot(key)
         self._send_raw(key, payload, priority)
+
+    def answer_raw(self, key: str, payload: bytes) -> None:
+        """Answer every call of a key with these bytes in another process's name, for a replay."""
+        self._answer_raw(key, (True, payload))
+
+    def refuse_raw(self, key: str, reason: str) -> None:
+        """Let every call of a key fail as unavailable, for a replay."""
+        reply = ErrorReply(code=UnavailableError.code, message=reason, retryable=True)
+        self._answer_raw(key, (False, self._wrap(f"reply/{key}", reply, ())[0]))
 
     def queue(self, topic: Topic[M], size: int = 1000) -> DecodingQueue[M]:
         """Subscribe to every message."""
@@ -117,6 +126,17 @@ class BusBase(ABC):
         )
         self._subscribe(key_expression, mailbox.put)
         return mailbox
+
+    def serve(
+        self,
+        method: Method[Request, Reply],
+        handler: Callable[[Request, CallContext], Reply],
+        *,
+        workers: int = 1,
+    ) -> None:
+        """Answer a method."""
+        key = method.key(self.robot, self.instance)
+        self._serve(key, lambda raw: self._handle(method, handler, raw), workers)
 
     def call(
         self,
@@ -245,6 +265,19 @@ class BusBase(ABC):
             ) from error
         raise error_codes().get(reply.code, RemoteError)(reply.message)
 
+    def _answer_raw(self, key: str, answer: tuple[bool, bytes]) -> None:
+        self._check_robot(key)
+        with self._lock:
+            is_served = key in self._raw_answers
+            self._raw_answers[key] = answer
+        if not is_served:
+            self._serve(key, lambda _raw: self._raw_answers[key], 1)
+
+    def _check_robot(self, key: str) -> None:
+        """Raise MessageError for a key of another robot: a replay speaks of its own only."""
+        if not key.startswith(f"w2c/{topics.VERSION}/{self.robot}/"):
+            raise MessageError(f"{key} is not of {self.robot}, the robot of this connection")
+
     def _unavailable(self, method: Method[Any, Any]) -> UnavailableError:
         if any(service == method.service for service, _ in self.alive()):
             return UnavailableError(
@@ -276,6 +309,12 @@ class BusBase(ABC):
     @abstractmethod
     def _subscribe(self, key_expression: str, deliver: Callable[[RawReceived], None]) -> None:
         """Deliver the bytes of every matching key, on a thread of the bus."""
+
+    @abstractmethod
+    def _serve(
+        self, key: str, handle: Callable[[RawReceived], tuple[bool, bytes]], workers: int
+    ) -> None:
+        """Answer calls of a key: (True, reply) or (False, ErrorReply), on threads of its own."""
 
     @abstractmethod
     def _ask(

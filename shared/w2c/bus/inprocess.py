@@ -12,14 +12,12 @@ from fnmatch import fnmatchcase
 from typing import Any, Generic, TypeVar
 
 from w2c.bus.base import BusBase
-from w2c.bus.interface import CallContext, RawReceived, Received
+from w2c.bus.interface import RawReceived, Received
 from w2c.errors import DeadlineError
 from w2c.messages import Message
 from w2c.topics import Method, Priority, Topic
 
 M = TypeVar("M", bound=Message)
-Request = TypeVar("Request", bound=Message)
-Reply = TypeVar("Reply", bound=Message)
 
 
 class InProcessHub:
@@ -115,19 +113,6 @@ class InProcessBus(BusBase):
         self._subscribe(topic.key(self.robot), slot.put)
         return slot
 
-    def serve(
-        self,
-        method: Method[Request, Reply],
-        handler: Callable[[Request, CallContext], Reply],
-        *,
-        workers: int = 1,
-    ) -> None:
-        """Answer a method."""
-        key = method.key(self.robot, self.instance)
-        pool = ThreadPoolExecutor(workers, thread_name_prefix=method.name)
-        with self._hub.lock:
-            self._hub.served[key] = (self, lambda raw: self._handle(method, handler, raw), pool)
-
     def appear(self, service: str, instance: str) -> None:
         """Let a process be seen."""
         token = (self, self.robot, service, instance)
@@ -163,6 +148,13 @@ class InProcessBus(BusBase):
     def _subscribe(self, key_expression: str, deliver: Callable[[RawReceived], None]) -> None:
         with self._hub.lock:
             self._hub.subscriptions.append((self, key_expression, deliver))
+
+    def _serve(
+        self, key: str, handle: Callable[[RawReceived], tuple[bool, bytes]], workers: int
+    ) -> None:
+        pool = ThreadPoolExecutor(workers, thread_name_prefix=key.rsplit("/", 1)[-1])
+        with self._hub.lock:
+            self._hub.served[key] = (self, handle, pool)
 
     def _ask(
         self, method: Method[Any, Any], payload: bytes, timeout_s: float, instance: str | None

@@ -171,6 +171,12 @@ class StandIn(Protocol):
     def publish_raw(self, key: str, payload: bytes, priority: Priority) -> None:
         """Send the bytes of a message; waits where the link is full. Raises MessageError."""
 
+    def answer_raw(self, key: str, payload: bytes) -> None:
+        """Answer every call of a key with these bytes, from now on. Raises MessageError."""
+
+    def refuse_raw(self, key: str, reason: str) -> None:
+        """Let every call of a key fail as unavailable, from now on. Raises MessageError."""
+
     def appear(self, service: str, instance: str) -> None:
         """Let a process be seen. Idempotent."""
 

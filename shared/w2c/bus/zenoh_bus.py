@@ -17,7 +17,7 @@ import zenoh
 
 from w2c import topics
 from w2c.bus.base import BusBase
-from w2c.bus.interface import CallContext, RawReceived
+from w2c.bus.interface import RawReceived
 from w2c.bus.latest_ring import LatestRing
 from w2c.bus.zenoh_config import client_config, hub_config
 from w2c.config import ServiceConfig
@@ -26,8 +26,6 @@ from w2c.messages import Message
 from w2c.topics import Method, Topic
 
 M = TypeVar("M", bound=Message)
-Request = TypeVar("Request", bound=Message)
-Reply = TypeVar("Reply", bound=Message)
 
 PRIORITIES = {
     topics.Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
@@ -109,36 +107,6 @@ class ZenohBus(BusBase):
         )
         self._declared.append(subscriber)
         return LatestRing(subscriber, lambda raw: self._decode(topic.message, topic.max_bytes, raw))
-
-    def serve(
-        self,
-        method: Method[Request, Reply],
-        handler: Callable[[Request, CallContext], Reply],
-        *,
-        workers: int = 1,
-    ) -> None:
-        """Answer a method."""
-        pool = ThreadPoolExecutor(workers, thread_name_prefix=f"serve-{method.name}")
-        key = method.key(self.robot, self.instance)
-
-        def answer(query: zenoh.Query) -> None:
-            with query:  # a query that is not dropped keeps its caller waiting until the deadline
-                payload = query.payload.to_bytes() if query.payload is not None else b""
-                raw = RawReceived(key, payload, time.monotonic_ns())
-                done, reply = self._handle(method, handler, raw)
-                if done:
-                    query.reply(key, reply)
-                else:
-                    query.reply_err(reply)
-
-        def enqueue(query: zenoh.Query) -> None:
-            if not self._closed:
-                pool.submit(answer, query)
-
-        self._pools.append(pool)
-        self._declared.append(
-            self._session.declare_queryable(key, zenoh.handlers.Callback(enqueue, indirect=False))
-        )
 
     def alive(self) -> list[tuple[str, str]]:
         """Return (service, instance) of every process whose liveliness token is seen."""
@@ -236,6 +204,30 @@ class ZenohBus(BusBase):
             self._session.declare_subscriber(
                 key_expression, zenoh.handlers.Callback(receive, indirect=False)
             )
+        )
+
+    def _serve(
+        self, key: str, handle: Callable[[RawReceived], tuple[bool, bytes]], workers: int
+    ) -> None:
+        name = key.rsplit("/", 1)[-1]
+        pool = ThreadPoolExecutor(workers, thread_name_prefix=f"serve-{name}")
+
+        def answer(query: zenoh.Query) -> None:
+            with query:  # a query that is not dropped keeps its caller waiting until the deadline
+                payload = query.payload.to_bytes() if query.payload is not None else b""
+                done, reply = handle(RawReceived(key, payload, time.monotonic_ns()))
+                if done:
+                    query.reply(key, reply)
+                else:
+                    query.reply_err(reply)
+
+        def enqueue(query: zenoh.Query) -> None:
+            if not self._closed:
+                pool.submit(answer, query)
+
+        self._pools.append(pool)
+        self._declared.append(
+            self._session.declare_queryable(key, zenoh.handlers.Callback(enqueue, indirect=False))
         )
 
     def _instance_of(self, service: str, patience_s: float) -> str | None:

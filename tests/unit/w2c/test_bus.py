@@ -4,11 +4,13 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
+import msgspec
 import numpy as np
 import pytest
 import zenoh
 
 from support.ports import free_endpoint
+from support.recordings import raw_message
 from support.waiting import wait_until
 from w2c import topics
 from w2c.bus import Bus, CallContext, InProcessBus, InProcessHub, zenoh_bus
@@ -311,11 +313,31 @@ def test_a_stand_in_says_and_is_what_others_were(connect_bus: Connect) -> None:
     assert ("replay", "0") in operator.alive()
 
 
+def test_a_stand_in_answers_a_call_as_others_did_or_refuses_it(connect_bus: Connect) -> None:
+    replay, operator = connect_bus("replay"), connect_bus("operator")
+    assert isinstance(replay, InProcessBus | ZenohBus)
+    key = topics.RECORD_STATUS.key("test", "1")
+    status = RecorderStatus(stamp_ns=0, recording=True, path="", messages=1, bytes=1, lost={})
+
+    for path in ("then.mcap", "later.mcap"):
+        said = msgspec.structs.replace(status, path=path)
+        replay.answer_raw(key, raw_message(said, key, boot_id="of-then").payload)
+        replay.appear("recorder", "1")
+        reply = operator.call(topics.RECORD_STATUS, Empty())
+        assert (reply.message.path, reply.envelope.boot_id) == (path, "of-then")
+
+    replay.refuse_raw(key, "nobody asked then")
+    with pytest.raises(UnavailableError, match="nobody asked then"):
+        operator.call(topics.RECORD_STATUS, Empty())
+
+
 def test_a_stand_in_may_not_speak_of_another_robot() -> None:
     replay = InProcessHub().connect("replay", robot="desk")
 
     with pytest.raises(MessageError, match="not of desk"):
         replay.publish_raw(topics.HEALTH.key("talos", "llm"), b"x", topics.Priority.DATA)
+    with pytest.raises(MessageError, match="not of desk"):
+        replay.answer_raw(topics.DESCRIBE.key("talos", "0"), b"x")
 
 
 def test_processes_of_another_robot_are_not_seen() -> None:
