@@ -16,7 +16,7 @@ class PerceptionConfig(ServiceConfig, frozen=True, kw_only=True):
     max_frames: Annotated[int, Meta(ge=1, le=10_000)] = 200
     """Pictures remembered at most; each takes up to 1 MB"""
     unpacked_frames: Annotated[int, Meta(ge=1, le=1000)] = 6
-    """Pictures whose depth is kept unpacked, those that were asked about last; each takes 4 MB"""
+    """Pictures whose depth is kept unpacked, those that were asked about last; each takes 2 MB"""
     state_rate: Annotated[float, Meta(ge=5.0, le=500.0)] = 100.0
     """How often joint angles are taken from the stream of states [Hz]"""
     joint_error: Annotated[float, Meta(ge=0.0, le=0.1)] = 0.00087
