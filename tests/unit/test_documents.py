@@ -23,6 +23,8 @@ from w2c_grounding.model_list import models_table
 from w2c_sim_robot.scenes.tables import kinds_table
 
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
+ANCHOR = re.compile(r"\]\((?!https?:)([^)#]*)#([^)]+)\)")
+HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
 OTHER_PROGRAMS = {"git", "cd", "docker", "curl", "sudo", "python", "scp", "ssh", "bash"}
 
 SCENES = ROOT / "docs" / "reference" / "scenes.md"
@@ -118,6 +120,23 @@ def help_of(verb: tuple[str, ...]) -> str:
 def test_every_linked_file_exists(document: Path) -> None:
     missing = [
         link for link in LINK.findall(document.read_text()) if not (document.parent / link).exists()
+    ]
+    assert missing == []
+
+
+@cache
+def anchors_of(document: Path) -> set[str]:
+    """Return what a link into a page may name: its headings, as GitHub writes them."""
+    headings = HEADING.findall(document.read_text())
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("document", documents(), ids=lambda p: p.name)
+def test_every_linked_heading_exists(document: Path) -> None:
+    missing = [
+        f"{file}#{anchor}"
+        for file, anchor in ANCHOR.findall(document.read_text())
+        if anchor not in anchors_of((document.parent / file).resolve() if file else document)
     ]
     assert missing == []
 
