@@ -17,7 +17,7 @@ GROUPS = {
     "measure and train": ("bench", "evaluate", "benchmark", "train", "scenes"),
     "one service": (
         "robot", "camera", "controller", "perception", "grounding", "llm", "dialogue", "recorder",
-        "console",
+        "console", "recorded-robot",
     ),
 }  # fmt: skip
 
