@@ -36,6 +36,11 @@ PRIORITIES = {
 # An empty answer that comes sooner than this means that the call reached nobody yet: safe to ask
 # again.
 NOT_DELIVERED_S = 0.05
+"""A call that nobody takes comes back sooner, unless the machine has much to do [s]"""
+GOING_PATIENCE_S = 0.5
+"""How long after its answer fails to come a process that died may still be seen [s]"""
+SHORTEST_RETRY_S = 0.05
+"""A last try with less time would tell of the deadline, not of what is missing [s]"""
 LIVELINESS_PATIENCE_S = 1.5
 """How long a call waits for a process of the service to be seen at all [s]"""
 START_PATIENCE_S = 10.0
@@ -259,15 +264,18 @@ class ZenohBus(BusBase):
         with self._alive_changed:
             self._outstanding[slot] = self._outstanding.get(slot, 0) + 1
         try:
+            tried = False
             while True:
                 remaining = deadline - time.monotonic()
-                if remaining <= 0:
+                if remaining <= (SHORTEST_RETRY_S if tried else 0.0):
                     raise self._unavailable(method)  # no attempt reached it
                 started = time.monotonic()
                 raw = self._ask_once(method, instance, payload, remaining)
                 if raw is not None:
                     return instance, raw
-                if time.monotonic() - started > NOT_DELIVERED_S:
+                tried = True
+                slow = time.monotonic() - started > NOT_DELIVERED_S
+                if slow and self._is_going(method.service, instance):
                     raise UnavailableError(
                         f"{method.service}/{method.name}: the process died while it served the call"
                     )
@@ -280,6 +288,13 @@ class ZenohBus(BusBase):
         finally:
             with self._alive_changed:
                 self._outstanding[slot] -= 1
+
+    def _is_going(self, service: str, instance: str) -> bool:
+        """Tell whether a process disappears now. One that stays was not reached by the call."""
+        with self._alive_changed:
+            return self._alive_changed.wait_for(
+                lambda: (service, instance) not in self._alive.values(), GOING_PATIENCE_S
+            )
 
     def _ask_once(
         self, method: Method[Any, Any], instance: str, payload: bytes, timeout_s: float

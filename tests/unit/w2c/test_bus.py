@@ -1,6 +1,7 @@
 """Both buses keep the same promises."""
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
@@ -157,6 +158,66 @@ def test_a_process_that_is_there_but_takes_no_calls_yet_is_called_that(
     wait_until(lambda: ("robot", robot.instance) in operator.alive())
     with pytest.raises(UnavailableError, match="is there and does not take robot/stop yet"):
         operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+
+
+@pytest.mark.parametrize("connect_bus", ["zenoh"], indirect=True)
+def test_a_machine_that_is_slow_to_say_that_nobody_takes_a_call_has_not_lost_a_process(
+    monkeypatch: pytest.MonkeyPatch, connect_bus: Connect
+) -> None:
+    monkeypatch.setattr(zenoh_bus, "NOT_DELIVERED_S", 0.0)
+    monkeypatch.setattr(zenoh_bus, "GOING_PATIENCE_S", 0.01)
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+    wait_until(lambda: ("robot", robot.instance) in operator.alive())
+    with pytest.raises(UnavailableError, match="is there and does not take robot/stop yet"):
+        operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+
+
+@pytest.mark.parametrize("connect_bus", ["zenoh"], indirect=True)
+def test_a_process_that_goes_while_it_serves_a_call_is_told_from_one_that_takes_none(
+    connect_bus: Connect,
+) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+    begun, release = threading.Event(), threading.Event()
+
+    def hang(request: StopRequest, context: CallContext) -> StopReply:
+        begun.set()
+        release.wait(20.0)
+        return StopReply(mode="tracking", stamp_ns=0)
+
+    def go() -> None:
+        begun.wait(20.0)
+        time.sleep(2.0 * zenoh_bus.NOT_DELIVERED_S)
+        robot.close()
+
+    robot.serve(topics.ROBOT_STOP, hang)
+    going = threading.Thread(target=go)
+    going.start()
+    try:
+        with pytest.raises(UnavailableError, match="the process died while it served the call"):
+            operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=20.0)
+    finally:
+        release.set()
+        going.join()
+
+
+@pytest.mark.parametrize("connect_bus", ["zenoh"], indirect=True)
+def test_the_last_try_of_a_call_is_not_made_without_time_for_an_answer(
+    monkeypatch: pytest.MonkeyPatch, connect_bus: Connect
+) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+    wait_until(lambda: ("robot", robot.instance) in operator.alive())
+    tries: list[float] = []
+
+    def nobody(_bus: object, _method: object, _instance: str, _payload: bytes, left: float) -> None:
+        tries.append(left)
+        if len(tries) == 1:
+            time.sleep(0.26)
+
+    monkeypatch.setattr(zenoh_bus.ZenohBus, "_ask_once", nobody)
+    monkeypatch.setattr(zenoh_bus, "NOT_DELIVERED_S", 10.0)
+    with pytest.raises(UnavailableError, match="is there and does not take robot/stop yet"):
+        operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+    assert len(tries) == 1
 
 
 def test_a_call_waits_for_a_process_that_is_still_being_built(
