@@ -30,6 +30,7 @@ C = TypeVar("C", bound=ServiceConfig)
 
 HEALTH_PERIOD_S = 1.0
 SIGNAL_PERIOD_S = 0.2
+"""How long a signal may stay unseen by who waits for it"""
 
 
 class Node(Protocol):

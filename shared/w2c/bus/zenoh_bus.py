@@ -33,10 +33,9 @@ PRIORITIES = {
     topics.Priority.DATA: zenoh.Priority.DATA,
     topics.Priority.DATA_LOW: zenoh.Priority.DATA_LOW,
 }
-# An empty answer that comes sooner than this means that the call reached nobody yet: safe to ask
-# again.
 NOT_DELIVERED_S = 0.05
-"""A call that nobody takes comes back sooner, unless the machine has much to do [s]"""
+"""An empty answer that comes sooner means that the call reached nobody yet: safe to ask again. A
+later one means it, too, if the process stays: then the machine is slow [s]"""
 GOING_PATIENCE_S = 0.5
 """How long after its answer fails to come a process that died may still be seen [s]"""
 SHORTEST_RETRY_S = 0.05

@@ -2,32 +2,23 @@
 
 import math
 from copy import deepcopy
+from dataclasses import replace
 
 import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fakes.tiny_models import TINY
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.loss import mask_loss, patch_loss, patch_targets
-from w2c_grounding.train.model import Size, decode, features, new_model
+from w2c_grounding.train.model import decode, features, new_model
 from w2c_grounding.train.optimizer import Optimizer, orthogonalised
 from w2c_grounding.train.plan import Plan, Progress, learning_rate
 from w2c_grounding.train.start import OFFSETS, frequencies, start_tower, turn, wave_count
 from w2c_grounding.train.tokens import learn_merges, make_tokenizer
 
-SMALL = Size(
-    image=128,
-    patch=16,
-    width=64,
-    layers=2,
-    heads=2,
-    extract=(0, 1),
-    text_width=32,
-    text_layers=1,
-    projection=16,
-    reduced=16,
-)
+SMALL = replace(TINY, image=128, width=64)
 lower_case = st.lists(st.text("abcdefgh", min_size=1, max_size=7), min_size=1, max_size=12)
 
 

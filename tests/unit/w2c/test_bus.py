@@ -151,13 +151,18 @@ def test_a_call_that_nobody_serves_is_unavailable(connect_bus: Connect) -> None:
         operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
 
 
-def test_a_process_that_is_there_but_takes_no_calls_yet_is_called_that(
-    connect_bus: Connect,
-) -> None:
+def assert_takes_no_calls_yet(connect_bus: Connect) -> None:
+    """Call a process that is there and serves nothing; the error says so."""
     robot, operator = connect_bus("robot"), connect_bus("operator")
     wait_until(lambda: ("robot", robot.instance) in operator.alive())
     with pytest.raises(UnavailableError, match="is there and does not take robot/stop yet"):
         operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+
+
+def test_a_process_that_is_there_but_takes_no_calls_yet_is_called_that(
+    connect_bus: Connect,
+) -> None:
+    assert_takes_no_calls_yet(connect_bus)
 
 
 @pytest.mark.parametrize("connect_bus", ["zenoh"], indirect=True)
@@ -166,10 +171,7 @@ def test_a_machine_that_is_slow_to_say_that_nobody_takes_a_call_has_not_lost_a_p
 ) -> None:
     monkeypatch.setattr(zenoh_bus, "NOT_DELIVERED_S", 0.0)
     monkeypatch.setattr(zenoh_bus, "GOING_PATIENCE_S", 0.01)
-    robot, operator = connect_bus("robot"), connect_bus("operator")
-    wait_until(lambda: ("robot", robot.instance) in operator.alive())
-    with pytest.raises(UnavailableError, match="is there and does not take robot/stop yet"):
-        operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=0.3)
+    assert_takes_no_calls_yet(connect_bus)
 
 
 @pytest.mark.parametrize("connect_bus", ["zenoh"], indirect=True)
