@@ -166,6 +166,15 @@ def test_things_are_replaced_and_keep_their_letters() -> None:
         assert instruction.x
 
 
+def test_every_other_drawing_of_a_line_keeps_the_things_its_author_named() -> None:
+    text = "lean on the [pew with the split armrest] by the [font]"
+    (line,) = written.read_line("instructions", f"between(A,B) left_hand contact | {text}")
+    source = draw()
+    drawn = [" ".join(written.instruction_of(line, source).draft.words) for _ in range(400)]
+
+    assert 160 < drawn.count(text.replace("[", "").replace("]", "")) < 240
+
+
 def test_the_turns_of_a_dialogue_are_lines_of_their_kinds() -> None:
     turns = list(written.read_line("dialogues", "p c y | the [cup] / left / ok"))
 
