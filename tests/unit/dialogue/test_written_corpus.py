@@ -14,6 +14,7 @@ from w2c_dialogue.corpus.moves import read_move
 from w2c_dialogue.corpus.places import read_place
 from w2c_dialogue.expressions import correction_symbols, evaluate, object_symbols
 from w2c_dialogue.prompts.base import CorrectionScene, Move, SceneObject
+from w2c_dialogue.prompts.spans import naming_spans
 
 CUP = Box(left=600.0, top=300.0, right=700.0, bottom=400.0, score=1.0)
 BOOK = Box(left=900.0, top=310.0, right=1000.0, bottom=350.0, score=1.0)
@@ -51,6 +52,19 @@ def test_every_written_line_is_read(kind: written.Kind) -> None:
 
     assert kind == "dialogues" or len(lines) > 5
     assert len({(line.meaning, line.text) for line in lines}) == len(lines)
+
+
+def test_the_things_of_written_lines_may_be_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(written, "KEPT_SHARE", 1.0)
+    source = draw()
+    for line in (*written.lines("instructions"), *written.lines("corrections")):
+        if not (line.meaning and "[" in line.text):
+            continue  # of a turn of a dialogue only its module is asked
+        make = written.instruction_of if line.kind == "instructions" else written.correction_of
+        utterance, spans = make(line, source).draft.finish()
+        allowed = naming_spans(utterance)
+        for span in spans:
+            assert span in allowed, f"{utterance.phrase(span)} in: {line.text}"
 
 
 @pytest.mark.parametrize(
