@@ -1,5 +1,10 @@
 """Options of all tests, and how two workers share them."""
 
+import fcntl
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -8,6 +13,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 REAL_TIME = "real_time"
+_LOCK = Path(tempfile.gettempdir()) / f"w2c-{hashlib.sha256(bytes(ROOT)).hexdigest()[:12]}.lock"
+"""Shared by the tests of a worker, taken alone by one in real time"""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -19,8 +26,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put what runs in real time last: by then the other worker has nothing left to do."""
+    """Put what runs in real time last: by then the other worker has little left to do."""
     items.sort(key=lambda item: item.get_closest_marker(REAL_TIME) is not None)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Run nothing beside a test in real time: it waits for the other worker, and that for it."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return (yield)
+    alone = item.get_closest_marker(REAL_TIME) is not None
+    with _LOCK.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
+        try:
+            return (yield)
+        finally:
+            fcntl.flock(file, fcntl.LOCK_UN)  # closing does not, while a forked child has it too
 
 
 @pytest.hookimpl(optionalhook=True)

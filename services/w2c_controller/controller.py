@@ -28,6 +28,7 @@ from w2c_controller.safety.hazards import Hazard, Holds, SafetyReport
 from w2c_controller.safety.restraint import Restraint
 from w2c_controller.safety.stop import Stop
 from w2c_controller.safety.takeover import Takeover
+from w2c_controller.safety.uptake import Uptake
 from w2c_controller.seiko.desired import DesiredState
 from w2c_controller.snapshots.handout import Handout
 from w2c_controller.snapshots.snapshot import capture_controller
@@ -72,6 +73,7 @@ class Controller:
         names = [joint.name for joint in description.joints]
         self._restraint = Restraint(names, limits, self.dt)
         self._holds = Holds(self.dt)
+        self._uptake = Uptake()
         self.takeover = Takeover(self.body, self.model.joint_indices)
         """Has to be done before anything moves"""
         self._command = np.array(description.initial_position)
@@ -102,6 +104,9 @@ class Controller:
             self._take_over(state)
         if self._holds:
             return self._hold(state)
+        if self._uptake.lags(state):
+            return self._wait(state)
+        self._uptake.went_on(self._tick)
         self._go_on(state)
         self._agenda.begin_due(self._tick, self._holds)
         self._sense(state)
@@ -202,6 +207,12 @@ class Controller:
             self._keep(state)
         if not holds.active("sensor_not_finite"):
             self._sense(state)
+        self._agenda.publish(self._tick, self._holds)
+        return self._answer()
+
+    def _wait(self, state: RobotState) -> JointCommand:
+        """Say the last command again, until the robot takes it."""
+        self._sense(state)
         self._agenda.publish(self._tick, self._holds)
         return self._answer()
 

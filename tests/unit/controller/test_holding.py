@@ -12,6 +12,7 @@ from w2c.messages import Array, PlaceGoal, RobotDescription, RobotState
 from w2c.messages.control import SafetyCause
 from w2c_controller.controller import Controller
 from w2c_controller.safety.hazards import RULES, Hazard
+from w2c_controller.safety.uptake import FARTHEST_AHEAD
 
 STANDS = 220
 """Ticks until the controller's own command is in force."""
@@ -95,6 +96,26 @@ def test_a_reading_that_is_no_number_pauses_and_the_motion_goes_on(cell: Cell) -
     assert np.abs(np.diff(moved, axis=0)).max() < 0.01
     assert cell.reports() == [("sensor_not_finite", True), ("sensor_not_finite", False)]
     assert "aborted" not in cell.ends()
+
+
+def test_the_motion_does_not_run_ahead_of_a_robot_that_takes_no_commands(cell: Cell) -> None:
+    """Late commands are refused: what was refused must not come as one leap afterwards."""
+    robot, taken = cell.robot, cell.robot.tick - 1
+    for ahead in range(15):
+        answer = cell.controller.tick(msgspec.structs.replace(robot.state(), command_tick=taken))
+        step = float(np.abs(answer.position - robot.command).max())
+        robot.tick += 1
+        if ahead == FARTHEST_AHEAD - 1:
+            farthest = step
+    assert farthest > 0.0
+    assert step == farthest
+    assert answer.tick == robot.tick - 1
+    robot.command = answer.position
+    moved = cell.run(100)
+    assert np.abs(moved[-1] - answer.position).max() > 0.01
+    assert np.abs(np.diff(moved, axis=0)).max() < 0.01
+    assert cell.reports() == []
+    assert cell.phase() == "approach"
 
 
 def test_a_long_pause_ends_the_goal(cell: Cell) -> None:

@@ -127,13 +127,16 @@ class Resumed:
         self.snapshot = decode_message(session.moments["leaning"].payload, ControllerSnapshot)
         self.command = session.controller.command
         self.controller = Controller(description)
+        self._command_tick = 0
 
     def state(self) -> RobotState:
-        return self.simulator.state(command_tick=0, mode="tracking")
+        return self.simulator.state(command_tick=self._command_tick, mode="tracking")
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / 0.002)):
-            self.simulator.step(self.controller.tick(self.state()).position)
+            command = self.controller.tick(self.state())
+            self._command_tick = command.tick
+            self.simulator.step(command.position)
 
 
 @pytest.fixture(scope="module")
