@@ -3,6 +3,8 @@
 The whole clause is the name: cut short, it names something else, or nothing.
 """
 
+from collections.abc import Callable
+
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.things import COLOURS, SIZES, names
 
@@ -93,9 +95,19 @@ def one_phrase(draw: Draw) -> str:
 
 def same_kind(name: str, draw: Draw) -> str:
     """Return another name of the kind of one that is no noun; empty for a noun."""
+    make = _maker(name)
+    return make(draw) if make else ""
+
+
+def is_noun(name: str) -> bool:
+    """Say whether a name may stand for any other: it is no clause, and no `other one`."""
+    return _maker(name) is None
+
+
+def _maker(name: str) -> Callable[[Draw], str] | None:
     words = name.lower().split()
     if words[0] in ("what", "whatever"):
-        return what_phrase(draw)
+        return what_phrase
     if len(words) > 2 and words[0] in HEADS:
-        return use_phrase(draw)
-    return one_phrase(draw) if len(words) == 2 and words[1] == "one" else ""
+        return use_phrase
+    return one_phrase if len(words) == 2 and words[1] == "one" else None

@@ -13,10 +13,10 @@ from typing import ClassVar, Literal, get_args
 
 from w2c.errors import ConfigError
 from w2c_dialogue.corpus import locations
-from w2c_dialogue.corpus.clauses import same_kind
+from w2c_dialogue.corpus.clauses import is_noun, same_kind
 from w2c_dialogue.corpus.corrections import Correction
 from w2c_dialogue.corpus.draft import Draft
-from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.draw import Draw, is_held_out
 from w2c_dialogue.corpus.instructions import Instruction
 from w2c_dialogue.corpus.moves import read_move
 from w2c_dialogue.corpus.phrases import phrase, plain_phrase
@@ -35,6 +35,10 @@ NOT_MIRRORED = "!"
 KEPT_SHARE = 0.5
 """How often the things of a line stay those that its author named: drawn names are less like what
 people say, and a sentence about the thing ("it's scalding") fits no other"""
+LENT_SHARE = 0.4
+"""How often a thing in its place is one that another author named"""
+LONGEST_LENT = 5
+"""Words of such a name: what describes one thing at length fits few other sentences"""
 MIRRORED_SHARE = 0.5
 RENUMBERED_SHARE = 0.6
 FEW, MANY = 12, 300
@@ -275,13 +279,34 @@ def _draft(text: str, draw: Draw) -> Draft:
     draft, at = Draft(), 0
     text = text.replace("<", "").replace(">", "")
     for letter, match in zip("abc", _THING.finditer(text), strict=False):
-        other = match[1] if keep else same_kind(match[1], draw)
-        name = other or draw.pick((plain_phrase, phrase))(draw)
         _add(draft, text[at : match.start()], "")
-        _add(draft, name, letter)
+        _add(draft, match[1] if keep else _other(match[1], draw), letter)
         at = match.end()
     _add(draft, text[at:].replace("[", "").replace("]", ""), "")
     return draft
+
+
+def _other(name: str, draw: Draw) -> str:
+    """Return another name that can stand in the place of one."""
+    if not is_noun(name):
+        return same_kind(name, draw)
+    if draw.chance(LENT_SHARE):
+        return draw.pick(lent_names())
+    return draw.pick((plain_phrase, phrase))(draw)
+
+
+@cache
+def lent_names() -> tuple[str, ...]:
+    """Return the names of things in the lines for training that may stand in other lines."""
+    found = (
+        name
+        for kind in get_args(Kind)
+        for line in lines(kind)
+        if not is_held_out(line)
+        for name in _THING.findall(line.text)
+        if is_noun(name) and len(name.split()) <= LONGEST_LENT
+    )
+    return tuple(dict.fromkeys(found))
 
 
 def _add(draft: Draft, text: str, letter: str) -> None:

@@ -8,7 +8,7 @@ import pytest
 from w2c.errors import ConfigError
 from w2c.messages import Box
 from w2c_dialogue.corpus import written
-from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.draw import Draw, is_held_out
 from w2c_dialogue.corpus.locations import NUMBER_WORDS
 from w2c_dialogue.corpus.moves import read_move
 from w2c_dialogue.corpus.places import read_place
@@ -187,6 +187,24 @@ def test_every_other_drawing_of_a_line_keeps_the_things_its_author_named() -> No
     drawn = [" ".join(written.instruction_of(line, source).draft.words) for _ in range(400)]
 
     assert 160 < drawn.count(text.replace("[", "").replace("]", "")) < 240
+
+
+def test_a_thing_that_another_author_named_may_stand_in_a_line() -> None:
+    (line,) = written.read_line("corrections", "onto A | on the [vaulting horse]")
+    source = draw()
+    drawn = [" ".join(written.correction_of(line, source).draft.words[2:]) for _ in range(300)]
+    of_training = {
+        name
+        for kind in ("instructions", "corrections", "confirmations", "dialogues")
+        for other in written.lines(kind)
+        if not is_held_out(other)
+        for name in re.findall(r"\[([^\]]+)\]", other.text)
+    }
+
+    lent = set(written.lent_names())
+    assert 30 < len(lent & set(drawn)) < 120
+    assert lent < of_training
+    assert not any(name.startswith(("what ", "whatever ")) or "," in name for name in lent)
 
 
 def test_the_turns_of_a_dialogue_are_lines_of_their_kinds() -> None:
