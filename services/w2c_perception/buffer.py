@@ -17,6 +17,8 @@ from w2c_perception.window import DepthPicture
 MAX_GAP_NS = 100_000_000
 """Joint angles further apart are not interpolated: the robot may have gone there and back."""
 
+NEIGHBOURS = 2
+"""Measurements before an instant, and after it, that say where the joints were then"""
 CAMERA_REACH = 2.0
 """A joint that is off by an angle moves what the camera sees by no more than this times the
 angle [m]"""
@@ -263,7 +265,9 @@ class StateBuffer:
         """
         rows = [
             self._positions[i]
-            for i in range(max(0, after - 2), min(len(self._positions), after + 2))
+            for i in range(
+                max(0, after - NEIGHBOURS), min(len(self._positions), after + NEIGHBOURS)
+            )
         ]
         if len(rows) < 3:
             return float(np.abs(rows[-1] - rows[0]).max())

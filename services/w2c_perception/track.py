@@ -5,7 +5,7 @@ import numpy as np
 from w2c.errors import GeometryError
 from w2c.geometry import rotation_from_quaternion, transform
 from w2c.messages import CameraFrame, ControllerStatus, RobotDescription, RobotState
-from w2c.stance import StanceEstimator
+from w2c.stance import Stance, StanceEstimator
 from w2c_perception.buffer import StateBuffer, View
 from w2c_perception.kinematics import CameraKinematics
 
@@ -47,10 +47,14 @@ class RobotTrack:
         return self._states.newest_ns
 
     @property
+    def stance(self) -> Stance | None:
+        """Return where the feet stand; None while no foot does."""
+        return self._stances.stance
+
+    @property
     def world(self) -> int:
         """Return the number of the present world, 0 before the first; a new one is elsewhere."""
-        stance = self._stances.stance
-        return 0 if stance is None else stance.world
+        return 0 if self.stance is None else self.stance.world
 
     def add(self, state: RobotState) -> None:
         """Take a state.

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from msgspec.structs import replace
 
 from support.rewriting import rewrapped, rewritten
 from w2c import topics
-from w2c.messages import CallTrace, CameraView, LiftReply, Message, RobotState
+from w2c.messages import CallTrace, CameraFrame, CameraView, LiftReply, Message, RobotState
 from w2c_recorder.reading import Recorded, Recording, decode_call
 from w2c_recorder.report import Report
 from w2c_recorder.through.commands import compare
@@ -21,6 +22,11 @@ VIEW, LIFT, HEIGHTS = "state/perception/view", "perception/lift", "perception/he
 
 def through(path: Path) -> Report:
     return compare(path, ThroughOptions(service="perception"))
+
+
+def views() -> list[CameraView]:
+    recorded = Recording(RECORDING).of(topics.CAMERA_VIEW)
+    return [one.message for one in recorded if isinstance(one.message, CameraView)]
 
 
 @pytest.fixture(scope="module")
@@ -76,16 +82,72 @@ def test_what_was_not_recorded_is_skipped_with_the_reason(
     assert not report.values["outputs"][HEIGHTS]["compared"]
 
 
-def test_lost_states_make_no_other_point(tmp_path: Path) -> None:
-    views = [one.message for one in Recording(RECORDING).of(topics.CAMERA_VIEW)]
-    last = max(tick for view in views if isinstance(view, CameraView) for tick in view.state_ticks)
+def test_a_lost_picture_leaves_the_states_that_were_taken_with_it(
+    tmp_path: Path, kinds: Counter[str]
+) -> None:
+    first = min(view.stamp_ns for view in views())
 
     def lose(recorded: Recorded) -> Message | None:
-        state = recorded.message
-        return None if isinstance(state, RobotState) and state.tick == last else state
+        frame = recorded.message
+        return None if isinstance(frame, CameraFrame) and frame.stamp_ns == first else frame
 
-    counts = through(rewritten(RECORDING, tmp_path / "lost.mcap", lose)).values["outputs"]
-    assert list(counts[VIEW]["skipped"]) == [
-        "1 of the states that it was made of are not in the recording"
-    ]
-    assert not any(count["differ"] for count in counts.values())
+    count = through(rewritten(RECORDING, tmp_path / "picture.mcap", lose)).values["outputs"][VIEW]
+    assert count["skipped"] == {"the picture is not in the recording": 1}
+    assert count["equal"] == kinds[VIEW] - 1
+
+
+def test_after_a_lost_view_nobody_knows_which_states_came_before(
+    tmp_path: Path, kinds: Counter[str]
+) -> None:
+    first = min(view.stamp_ns for view in views())
+
+    def lose(recorded: Recorded) -> Message | None:
+        view = recorded.message
+        return None if isinstance(view, CameraView) and view.stamp_ns == first else view
+
+    count = through(rewritten(RECORDING, tmp_path / "view.mcap", lose)).values["outputs"][VIEW]
+    assert sum(count["skipped"].values()) == kinds[VIEW] - 1
+    assert not count["differ"]
+
+
+def without_state(path: Path, lost: int, shift: float = 0.0) -> dict[str, Any]:
+    """Return how views compare without one state, and with the last one moved [m]."""
+    last = max(view.stamp_ns for view in views())
+
+    def change(recorded: Recorded) -> Message | None:
+        message = recorded.message
+        if isinstance(message, RobotState) and message.tick == lost:
+            return None
+        if shift and isinstance(message, CameraView) and message.stamp_ns == last:
+            return replace(message, world_from_camera=message.world_from_camera + shift)
+        return message
+
+    outputs = through(rewritten(RECORDING, path, change)).values["outputs"]
+    assert not any(outputs[name]["differ"] for name in (LIFT, HEIGHTS))
+    return dict(outputs[VIEW])
+
+
+def test_a_view_without_the_states_around_it_cannot_be_judged_and_others_can(
+    tmp_path: Path, kinds: Counter[str]
+) -> None:
+    ticks = [tick for view in views() for tick in view.state_ticks]
+    last = max(view.stamp_ns for view in views())
+    at_picture = next(
+        one.message.tick
+        for one in Recording(RECORDING).of(topics.ROBOT_STATE)
+        if isinstance(one.message, RobotState) and one.message.stamp_ns >= last
+    )
+    count = without_state(tmp_path / "near.mcap", at_picture, 0.001)
+    reason = "1 of the states that it was made of are not in the recording"
+    assert (count["equal"], count["differ"]) == (kinds[VIEW] - 1, 0)
+    assert count["skipped"] == {reason: 1}
+    assert without_state(tmp_path / "far.mcap", ticks[50])["equal"] == kinds[VIEW]
+    assert without_state(tmp_path / "moved.mcap", ticks[50], 0.001)["differ"] == 1
+
+
+def test_a_world_that_began_with_a_lost_state_may_be_elsewhere(tmp_path: Path) -> None:
+    count = without_state(tmp_path / "first.mcap", views()[0].state_ticks[0], 0.001)
+    assert not count["differ"]
+    assert count["skipped"] == {
+        "where the feet stand was found with states that are not in the recording": 1
+    }

@@ -15,6 +15,7 @@ from w2c.messages import (
     RobotDescription,
     RobotState,
 )
+from w2c.stance import Stance
 from w2c.through import Asked, Heard
 from w2c_perception.answers import Answers
 from w2c_perception.config import PerceptionConfig
@@ -57,6 +58,11 @@ class Player:
             self._memory.forget(self._robot)
         if self._track.world != world == 0:
             self._followed = ""
+
+    @property
+    def stance(self) -> Stance | None:
+        """Where the feet stand; None while it is not known."""
+        return self._track.stance
 
     def place(self, frame: CameraFrame) -> CameraView:
         """Remember a picture, and return where it was taken from.

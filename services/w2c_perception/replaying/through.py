@@ -5,15 +5,17 @@ can be taken again.
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from w2c import topics
+from w2c.bus import Envelope
 from w2c.difference import INFINITE, Difference, differences
 from w2c.errors import GeometryError, RefusedError
 from w2c.messages import CameraView, ControllerStatus, RobotDescription, RobotState
 from w2c.through import Asked, Compared, Heard, Session, Skipped, configuration
 from w2c_perception.config import PerceptionConfig
-from w2c_perception.node import STATUS_AGE_NS
+from w2c_perception.node import MOST_TICKS, STATUS_AGE_NS
+from w2c_perception.replaying.known import Known
 from w2c_perception.replaying.player import Player
 
 TOLERANCE = 1e-9
@@ -69,6 +71,9 @@ class Run:
         """Of no view yet, by boot id and number"""
         self._statuses: deque[Heard] = deque(maxlen=MOST_KEPT)
         self._player: Player | None = None
+        self._known = Known()
+        self._last: Envelope | None = None
+        """Of the last view"""
         self._unplaced: dict[int, str] = {}
         """Stamp of a picture [ns] -> why it is not remembered"""
 
@@ -118,19 +123,54 @@ class Run:
     def _view(self, heard: Heard) -> Compared | Skipped:
         """Take the states that a view names, and place its picture."""
         view: CameraView = heard.message
+        follows = self._follows(heard)
         why_not = self._why_not(heard)
         if why_not:
-            self._unplaced[view.stamp_ns] = why_not
-            return Skipped(VIEW, heard.seconds, why_not)
+            return self._skip(heard, why_not)
+        player = self._take_states(view.state_ticks, follows=follows)
+        frame = self._frames.pop(_source(heard), None)
+        if frame is None:
+            return self._skip(heard, "the picture is not in the recording")
+        compared = self._compare(heard, frame, player)
+        if not compared.differs():
+            return compared
+        stamps = (frame.message.stamp_ns, frame.message.depth_stamp_ns)
+        world = 0 if player.stance is None else player.stance.world
+        why_not = self._known.why_not([stamp for stamp in stamps if stamp >= 0], world)
+        return self._skip(heard, why_not) if why_not else compared
+
+    def _skip(self, heard: Heard, why_not: str) -> Skipped:
+        self._unplaced[heard.message.stamp_ns] = why_not
+        return Skipped(VIEW, heard.seconds, why_not)
+
+    def _follows(self, heard: Heard) -> bool:
+        """Return whether it is known which states perception took before those of a view."""
+        envelope, last, expected = heard.envelope, self._last, 0
+        if last is None or last.boot_id != envelope.boot_id:
+            self._player = None
+        else:
+            expected = last.sequence + 1
+        self._last = envelope
+        return envelope.sequence == expected and len(heard.message.state_ticks) < MOST_TICKS
+
+    def _take_states(self, ticks: Sequence[int], *, follows: bool) -> Player:
+        """Take the states that a view names, all that are there, and note which are not."""
         if self._player is None:
             description = self._descriptions[self._robot]
-            self._player = Player(self._config, description, self._robot)
-        player = self._player
-        for tick in view.state_ticks:
-            self._take(player, self._states[tick])
-        last = view.state_ticks[-1]
+            self._player, self._known = Player(self._config, description, self._robot), Known()
+        if not follows:
+            self._known.lose()
+        for tick in ticks:
+            if tick in self._states:
+                self._take(self._player, self._states[tick])
+            else:
+                self._known.lose()
+        last = max(ticks, default=-1)
         self._states = {tick: one for tick, one in self._states.items() if tick > last}
-        frame = self._frames.pop(_source(heard))
+        return self._player
+
+    def _compare(self, heard: Heard, frame: Heard, player: Player) -> Compared:
+        view: CameraView = heard.message
         what = f"picture of {view.stamp_ns * 1e-9:.3f} s"
         try:
             made = player.place(frame.message)
@@ -149,24 +189,21 @@ class Run:
     def _why_not(self, heard: Heard) -> str:
         """Return why a view cannot be made again; "" = it can."""
         view: CameraView = heard.message
-        if not view.state_ticks:
+        if not view.state_ticks and self._player is None:
             return "the view does not say which states it was made of: of an older version"
         if view.robot_boot_id != self._robot:
             return "of a robot that is no more"
         if self._robot not in self._descriptions:
             return "the description of the robot is not in the recording"
-        if _source(heard) not in self._frames:
-            return "the picture is not in the recording"
-        missing = [tick for tick in view.state_ticks if tick not in self._states]
-        if missing:
-            return f"{len(missing)} of the states that it was made of are not in the recording"
         return ""
 
     def _take(self, player: Player, state: Heard) -> None:
+        before = player.stance
         try:
             player.take(state.message, self._status_before(state.message))
         except GeometryError:
             return  # the recorded one did not take it either
+        self._known.take(state.message.stamp_ns, before, player.stance)
 
     def _status_before(self, state: RobotState) -> Heard | None:
         """Return what the controller last said when this state came."""
