@@ -31,7 +31,7 @@ from w2c_controller.loop.rehearsal import rehearse
 from w2c_controller.loop.reports import Reports
 from w2c_controller.loop.timing import Timing
 from w2c_controller.preview.search_process import SearchProcess
-from w2c_controller.safety.hazards import Hazard
+from w2c_controller.safety.outside import out_of_order, silence
 from w2c_controller.seiko.contacts import Enabled
 from w2c_controller.seiko.desired import STANDING
 from w2c_controller.snapshots.handout import Handout
@@ -168,9 +168,7 @@ class ControllerNode:
             return False
         if ahead < 0:
             self._bus.count("state out of order")
-            text = f"the state of tick {state.tick} came after that of {self._answer.tick}"
-            hazard = Hazard("state_out_of_order", text, "", state.tick, self._answer.tick, "ticks")
-            self.controller.found(hazard)
+            self.controller.found(out_of_order(state.tick, self._answer.tick))
         return True
 
     def _report(self, state: RobotState, received: Received[RobotState], failed: bool) -> None:
@@ -225,14 +223,15 @@ class ControllerNode:
             return
         self._stale = True
         self.controller.set_stale(True)
-        text = f"no state of the robot for {silence_ms:.0f} ms: not commanding"
-        limit = self._config.stale_ms
-        self.controller.found(Hazard("state_stale", text, "driver", silence_ms, limit, "ms"))
-        self._trouble = text
+        hazard = silence(silence_ms, self._config.stale_ms)
+        self.controller.found(hazard)
+        self._trouble = hazard.text
+        # Of no state: both carry the time of this clock, by which a recording tells them apart from
+        # what was told of the last tick.
         stamp_ns = time.monotonic_ns()
         for report in self.controller.take_safety_reports():
             self._reports.safety(report, stamp_ns)
-        self._reports.status(self.controller.snapshot(), self._timing, text, stamp_ns)
+        self._reports.status(self.controller.snapshot(), self._timing, hazard.text, stamp_ns)
 
     def _end_silence(self) -> None:
         if self._stale:

@@ -1,4 +1,4 @@
-"""What a recording says of all that reached a controller beside states: goals, stops, snapshots."""
+"""What a recording says of all that reached a controller beside states, and of what it told."""
 
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -18,6 +18,7 @@ from w2c.messages import (
     StopRequest,
 )
 from w2c.through import Asked, Heard, Session
+from w2c_controller.safety.outside import OUTSIDE
 
 STOP_LATE_S = 5.0
 """Between a call and what the controller tells of it"""
@@ -75,9 +76,11 @@ class Given:
     goals: dict[Moment, list[Heard]] = field(default_factory=lambda: defaultdict(list))
     """By stamp: what was told of goals"""
     hazards: dict[Moment, list[Heard]] = field(default_factory=lambda: defaultdict(list))
-    """By tick: what was told of hazards"""
+    """By stamp: what was told of hazards, at the state that they were told at"""
+    outside: dict[Moment, dict[int, list[Heard]]] = field(default_factory=lambda: defaultdict(dict))
+    """By tick, then by stamp: what the process found itself after it, and each status"""
     statuses: dict[Moment, Heard] = field(default_factory=dict)
-    """By tick"""
+    """By stamp: of its state, or of the silence that it tells of"""
 
     def description(self, robot: str) -> RobotDescription:
         """Return what a robot is. Raises RecordingError: nobody asked it while this was made."""
@@ -143,9 +146,18 @@ def _note_message(given: Given, heard: Heard) -> None:
     elif isinstance(message, GoalEvent):
         given.goals[controller, message.stamp_ns].append(heard)
     elif isinstance(message, SafetyEvent):
-        given.hazards[controller, message.tick].append(heard)
+        given.hazards[controller, message.stamp_ns].append(heard)
+        if message.cause in OUTSIDE and message.state == "begins":
+            _note_outside(given, heard)
     elif isinstance(message, ControllerStatus):
-        given.statuses.setdefault((controller, message.tick), heard)
+        given.statuses.setdefault((controller, message.stamp_ns), heard)
+        _note_outside(given, heard)
+
+
+def _note_outside(given: Given, heard: Heard) -> None:
+    message = heard.message
+    told = given.outside[heard.envelope.boot_id, message.tick]
+    told.setdefault(message.stamp_ns, []).append(heard)
 
 
 def _of_first_robot(given: Given, heard: Heard) -> bool:

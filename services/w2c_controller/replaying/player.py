@@ -3,18 +3,23 @@
 from dataclasses import dataclass
 
 from w2c.errors import ControlError, GoalRefusedError
-from w2c.messages import ControllerSnapshot, JointCommand, PlaceGoal, RobotState
-from w2c.messages.control import SafetyCause
+from w2c.messages import (
+    ControllerSnapshot,
+    ControllerStatus,
+    JointCommand,
+    PlaceGoal,
+    RobotState,
+    SafetyEvent,
+)
 from w2c.through import Heard
 from w2c_controller.controller import Controller
 from w2c_controller.goals.goals import check_end_effector, check_place
 from w2c_controller.goals.requests import Request
+from w2c_controller.loop.summary import Snapshot
 from w2c_controller.replaying.given import Given, Kept
 from w2c_controller.safety.hazards import Hazard, SafetyReport
+from w2c_controller.safety.outside import STALE, found_outside
 from w2c_controller.switching.events import Event
-
-OUTSIDE: tuple[SafetyCause, ...] = ("state_stale", "state_out_of_order")
-"""Hazards that the process finds, not the controller in it"""
 
 
 class LostError(ControlError):
@@ -30,6 +35,21 @@ class Done:
     reports: list[SafetyReport]
     told: list[str]
     """What the controller was told before it, for people"""
+
+
+@dataclass(frozen=True)
+class Silence:
+    """What came of it that no state came for too long: it is told at once, and of no state."""
+
+    stamp_ns: int
+    """Of the process's own clock, as recorded"""
+    trouble: str
+    """What the status tells of it"""
+    reports: list[SafetyReport]
+    snapshot: Snapshot
+    """What the controller does then"""
+    told: list[str]
+    """What was read off the clock, for people"""
 
 
 class Player:
@@ -65,7 +85,7 @@ class Player:
         """Go on from a snapshot that was made at this state. Raises SnapshotError."""
         self.controller.restore(snapshot.state, state)
         self._snapshot_tick = snapshot.tick
-        self._after(state)
+        self._was_stopped = state.mode == "stopped"
 
     def tick(self, state: Heard) -> Done:
         """Do what was done at a state.
@@ -78,15 +98,18 @@ class Player:
         told = [*self._begin_goals(message), *self._obey_operator(message, state.seconds)]
         command = self.controller.tick(message)
         events, reports = self.controller.take_events(), self.controller.take_safety_reports()
-        self._after(message)
+        self._was_stopped = message.mode == "stopped"
         return Done(command, events, reports, told)
 
-    def _after(self, state: RobotState) -> None:
-        """Do what was done between this tick and the next."""
-        self._was_stopped = state.mode == "stopped"
+    def rest(self, state: RobotState) -> list[Silence]:
+        """Do what was done between the tick of a state and the next.
+
+        Raises:
+            LostError: a goal that was admitted then is refused now.
+        """
         for goal_id in self._given.judged_at(state.tick):
             self._judged[goal_id] = self._judge(goal_id)
-        self._find_outside(state.tick)
+        return self._find_outside(state)
 
     # --- goals -----------------------------------------------------------------------------------
     def _begin_goals(self, state: RobotState) -> list[str]:
@@ -128,7 +151,7 @@ class Player:
     def _obey_operator(self, state: RobotState, seconds: float) -> list[str]:
         """Say stop and resume where the recorded controller obeyed them."""
         told = []
-        for heard in self._given.hazards.get((self._boot_id, state.tick), ()):
+        for heard in self._given.hazards.get((self._boot_id, state.stamp_ns), ()):
             event = heard.message
             if event.cause == "stopped" and event.state == "begins":
                 reason = self._given.stop_before(seconds)
@@ -142,12 +165,25 @@ class Player:
                 told.append(f"resume, which ended: {event.text}")
         return told
 
-    def _find_outside(self, tick: int) -> None:
-        """Report what the process found after this tick."""
-        for heard in self._given.hazards.get((self._boot_id, tick), ()):
-            event = heard.message
-            if event.cause in OUTSIDE and event.state == "begins":
-                text = event.text.rpartition(": ")[0]
-                self.controller.found(
-                    Hazard(event.cause, text, event.subject, event.value, event.limit, event.unit)
-                )
+    def _find_outside(self, state: RobotState) -> list[Silence]:
+        """Find what the process found after a tick: its clock is given, all else is made again."""
+        silences = []
+        for stamp_ns, told in self._given.outside.get((self._boot_id, state.tick), {}).items():
+            if stamp_ns == state.stamp_ns:
+                continue  # the status of the tick itself
+            events = [one.message for one in told if isinstance(one.message, SafetyEvent)]
+            hazards = [found_outside(event.cause, event.value, event.limit) for event in events]
+            for hazard in hazards:
+                self.controller.found(hazard)
+            if not any(one.envelope.inputs for one in told):  # else told with the next state
+                silences.append(self._silence(stamp_ns, told, hazards))
+        return silences
+
+    def _silence(self, stamp_ns: int, told: list[Heard], hazards: list[Hazard]) -> Silence:
+        """Return what is told while no state comes."""
+        texts = [hazard.text for hazard in hazards if hazard.cause == STALE]
+        # One that goes on after a state that came too late has no report of its own.
+        texts += [one.message.message for one in told if isinstance(one.message, ControllerStatus)]
+        reports = self.controller.take_safety_reports()
+        clock = [f"the process's clock: {text}" for text in texts[:1]]
+        return Silence(stamp_ns, "".join(texts[:1]), reports, self.controller.snapshot(), clock)

@@ -20,9 +20,11 @@ from w2c.errors import ControlError
 from w2c.messages import ControllerSnapshot, Message, RobotState
 from w2c.through import Compared, Heard, Session, Skipped
 from w2c_controller.loop.reports import goal_message, safety_message, status_message
+from w2c_controller.loop.summary import Snapshot
 from w2c_controller.replaying.given import ROWS, Given, read_given
-from w2c_controller.replaying.player import Done, LostError, Player
+from w2c_controller.replaying.player import Done, LostError, Player, Silence
 from w2c_controller.replaying.ticks import Pairing, Tick
+from w2c_controller.safety.hazards import SafetyReport
 from w2c_controller.snapshots.state_tree import SnapshotError
 
 TOLERANCE = 1e-9
@@ -80,27 +82,31 @@ class Run:
         if tick.problem:
             self._player, self._reason = None, tick.problem
         if self._player is None:
-            yield self._wait(tick)
+            yield from self._wait(tick)
             return
         yield from self._do(self._player, tick)
 
     def _new_player(self) -> Player:
         return Player(self._given, self._boot_id, self._robot)
 
-    def _wait(self, tick: Tick) -> Skipped:
+    def _wait(self, tick: Tick) -> Iterator[Compared | Skipped]:
         """Go on from the snapshot of this tick, where there is one."""
-        skipped = Skipped(COMMAND, tick.command.seconds, self._reason)
         kept = self._given.snapshots.get((self._boot_id, tick.command.message.tick))
         if not tick.states or kept is None or kept.robot != tick.states[-1].envelope.boot_id:
-            return skipped
-        player = self._new_player()
+            yield Skipped(COMMAND, tick.command.seconds, self._reason)
+            return
+        player, state = self._new_player(), tick.states[-1]
         try:
-            player.go_on(kept.read(), tick.states[-1].message)
+            player.go_on(kept.read(), state.message)
+            silences = player.rest(state.message)
         except (SnapshotError, LostError) as error:
             self._reason = f"no snapshot after it can be gone on from: {error}"
-            return Skipped(COMMAND, tick.command.seconds, self._reason)
-        self._player = player
-        return skipped
+            silences = []
+        else:
+            self._player = player
+        yield Skipped(COMMAND, tick.command.seconds, self._reason)
+        for silence in silences:
+            yield from self._compare_silence(silence, state)
 
     def _do(self, player: Player, tick: Tick) -> Iterator[Compared | Skipped]:
         """Tick, and compare what came of it."""
@@ -110,7 +116,7 @@ class Run:
                 done = player.tick(state)
             except LostError as error:
                 self._player, self._reason = None, str(error)
-                yield self._wait(tick)
+                yield from self._wait(tick)
                 return
             except ControlError as error:
                 self._player, self._reason = None, f"after tick {state.message.tick} failed"
@@ -120,6 +126,13 @@ class Run:
             if last:
                 yield from self._compare_command(tick.command, done, state)
             yield from self._compare_told(player, done, state)
+            try:
+                silences = player.rest(state.message)
+            except LostError as error:
+                self._player, self._reason = None, str(error)
+                return
+            for silence in silences:
+                yield from self._compare_silence(silence, state)
 
     def _compare_command(self, command: Heard, done: Done, state: Heard) -> Iterator[Compared]:
         joints = self._given.description(self._robot).joints
@@ -136,30 +149,41 @@ class Run:
     def _compare_told(self, player: Player, done: Done, state: Heard) -> Iterator[Compared]:
         """Compare what else was told of this tick."""
         message: RobotState = state.message
-        at, told = (self._boot_id, message.tick), done.told
-        goals = [goal_message(event, message.stamp_ns) for event in done.events]
-        recorded = self._given.goals.get((self._boot_id, message.stamp_ns), [])
+        stamp_ns, told = message.stamp_ns, done.told
+        goals = [goal_message(event, stamp_ns) for event in done.events]
+        recorded = self._given.goals.get((self._boot_id, stamp_ns), [])
         yield from self._compare_lists(GOAL, recorded, goals, state, told)
-        for tick in sorted({message.tick, *(report.tick for report in done.reports)}):
-            reports = [
-                safety_message(report, message.stamp_ns)
-                for report in done.reports
-                if report.tick == tick
-            ]
-            hazards = self._given.hazards.get((self._boot_id, tick), [])
-            yield from self._compare_lists(SAFETY, hazards, reports, state, told)
-        status = self._given.statuses.get(at)
-        if status is not None:
-            made = status_message(player.controller.snapshot(), {}, {}, "", message.stamp_ns)
-            found = tuple(differences(status.message, made, TIMES))
-            yield self._compared(STATUS, status, found, state, told)
-        kept = self._given.snapshots.get(at)
+        yield from self._compare_hazards(done.reports, stamp_ns, state, told)
+        yield from self._compare_status(player.controller.snapshot(), "", stamp_ns, state, told)
+        kept = self._given.snapshots.get((self._boot_id, message.tick))
         if kept is not None:
             found = tuple(_snapshot_differences(kept.read(), player))
             yield Compared(
                 SNAPSHOT, f"tick {kept.tick}", kept.seconds, found, self._tolerance,
                 _inputs(state, told) if found else (),
             )  # fmt: skip
+
+    def _compare_silence(self, silence: Silence, state: Heard) -> Iterator[Compared]:
+        """Compare what was told while no state came; `state` is the last that had come."""
+        stamp_ns, told = silence.stamp_ns, silence.told
+        yield from self._compare_hazards(silence.reports, stamp_ns, state, told)
+        yield from self._compare_status(silence.snapshot, silence.trouble, stamp_ns, state, told)
+
+    def _compare_hazards(
+        self, reports: Sequence[SafetyReport], stamp_ns: int, state: Heard, told: list[str]
+    ) -> Iterator[Compared]:
+        recorded = self._given.hazards.get((self._boot_id, stamp_ns), [])
+        made = [safety_message(report, stamp_ns) for report in reports]
+        yield from self._compare_lists(SAFETY, recorded, made, state, told)
+
+    def _compare_status(
+        self, snapshot: Snapshot, trouble: str, stamp_ns: int, state: Heard, told: list[str]
+    ) -> Iterator[Compared]:
+        status = self._given.statuses.get((self._boot_id, stamp_ns))
+        if status is not None:
+            made = status_message(snapshot, {}, {}, trouble, stamp_ns)
+            found = tuple(differences(status.message, made, TIMES))
+            yield self._compared(STATUS, status, found, state, told)
 
     def _compare_lists(
         self,
@@ -171,7 +195,7 @@ class Run:
     ) -> Iterator[Compared]:
         """Compare what was told with what is told now, in order."""
         for heard, message in zip(recorded, made, strict=False):
-            found = tuple(differences(heard.message, message, ("stamp_ns",)))
+            found = tuple(differences(heard.message, message))
             yield self._compared(stream, heard, found, state, told)
         for heard in recorded[len(made) :]:
             missing = (Difference("", heard.message, "nothing", INFINITE),)

@@ -1,6 +1,7 @@
 """The node on a bus, with a robot that answers as the driver does."""
 
 import threading
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -25,6 +26,9 @@ from w2c.messages import (
 from w2c_controller.config import ControllerConfig
 from w2c_controller.node import ControllerNode
 from w2c_controller.preview.search import StaticSearch
+from w2c_recorder.mcap_file import McapFile
+from w2c_recorder.through.commands import compare
+from w2c_recorder.through.options import ThroughOptions
 from w2c_sim_robot.config import RobotConfig
 from w2c_sim_robot.description import make_description
 from w2c_sim_robot.model import build_model
@@ -210,7 +214,9 @@ class Wire:
 
     def send(self, tick: int) -> None:
         state = self.simulator.state(command_tick=tick - 1, mode="tracking")
-        self.robot.publish(topics.ROBOT_STATE, msgspec.structs.replace(state, tick=tick))
+        stamp_ns = tick * self.description.period_ns
+        state = msgspec.structs.replace(state, tick=tick, stamp_ns=stamp_ns)
+        self.robot.publish(topics.ROBOT_STATE, state)
 
     def answer(self, tick: int) -> int:
         """Return the tick that the next command answers."""
@@ -228,6 +234,10 @@ class Wire:
         received = self.events.receive(5.0)
         assert received is not None
         return received.message.cause, received.message.state
+
+    def wait_event(self, cause: str, state: str) -> None:
+        while self.event() != (cause, state):
+            pass
 
 
 @pytest.fixture
@@ -253,6 +263,30 @@ def test_a_state_out_of_order_is_told_and_not_answered(wire: Wire) -> None:
     told = {wire.event() for _ in range(2)}
     assert ("state_out_of_order", "begins") in told or wire.event()[0] == "state_out_of_order"
     assert wire.bus.counters["state out of order"] == 1
+
+
+def test_what_the_process_found_by_its_clock_is_made_again_from_the_recording(
+    wire: Wire, tmp_path: Path
+) -> None:
+    heard = wire.operator.raw_queue("w2c/**")
+    wire.operator.call(topics.DESCRIBE, Empty())
+    assert [wire.answer(tick) for tick in (24, 25)] == [24, 25]
+    wire.wait_event("state_stale", "begins")  # at a tick that has a status of its own
+    wire.send(24)
+    wire.wait_event("state_out_of_order", "begins")  # told in a second silence
+    assert [wire.answer(tick) for tick in (26, 27)] == [26, 27]
+    wire.close()
+    file, kinds = McapFile(tmp_path / "session.mcap", {}), Counter[str]()
+    while (received := heard.receive(0.0)) is not None:
+        file.write(received, received.received_ns)
+        kinds["/".join(received.key.split("/")[-3:])] += 1
+    file.close()
+    report = compare(file.path, ThroughOptions(service="controller"))
+    assert report.status == 0, "\n".join(report.lines)
+    for stream, count in report.values["outputs"].items():
+        assert count["equal"] == kinds[stream], "\n".join(report.lines)
+    assert kinds["event/controller/safety"] >= 4
+    assert kinds["state/controller/status"] >= 3
 
 
 def test_statistics_and_snapshots_come_from_the_loop(wire: Wire, tmp_path: Path) -> None:
