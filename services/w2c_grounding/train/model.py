@@ -160,6 +160,7 @@ def decode(
     conditions: torch.Tensor,
     part: tuple[int, int] = (0, 0),
     step: int = 1,
+    loudness: list[torch.Tensor] | None = None,
 ) -> torch.Tensor:
     """Return the logits (phrases, h / step, w / step) of phrases, with gradients.
 
@@ -173,6 +174,7 @@ def decode(
             ..., equally many of each.
         part: The first row and column of the heatmap that is made.
         step: From one row to the next that is made.
+        loudness: Takes the mean square of what enters each layer.
     """
     decoder = model.decoder
     each = len(conditions) // len(activations[0])
@@ -184,6 +186,8 @@ def decode(
         if number == decoder.conditional_layer:
             scale, shift = decoder.film_mul(conditions), decoder.film_add(conditions)
             output = scale[:, None] * output + shift[:, None]
+        if loudness is not None:
+            loudness.append(output.square().mean())
         output = layer(output, attention_mask=None)
     if output is None:
         raise ValueError("a decoder without layers")

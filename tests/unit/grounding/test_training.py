@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fakes.tiny_models import TINY
 from w2c_grounding.train.augment import normalise
-from w2c_grounding.train.loss import mask_loss, patch_loss, patch_targets
+from w2c_grounding.train.loss import LOUDEST, loudness_loss, mask_loss, patch_loss, patch_targets
 from w2c_grounding.train.model import decode, features, new_model
 from w2c_grounding.train.optimizer import Optimizer, orthogonalised
 from w2c_grounding.train.plan import Plan, Progress, learning_rate
@@ -53,6 +53,16 @@ def test_the_loss_is_least_for_the_mask_itself_and_counts_false_peaks() -> None:
     extra = mask_loss(one_hot_pixel, masks, weights) - mask_loss(right, masks, weights)
     # The mean over 1024 pixels alone would see 4 x 15 / 1024 / 2 = 0.03 at most.
     assert float(extra) > 0.2
+
+
+def test_only_loud_tokens_cost_and_the_cost_quietens_them() -> None:
+    quiet = torch.tensor(LOUDEST / 2.0, requires_grad=True)
+    loud = torch.tensor(640_000.0, requires_grad=True)
+    loss = loudness_loss([quiet, loud])
+    loss.backward()  # type: ignore[no-untyped-call]
+    assert float(loss.detach()) == pytest.approx(math.log(640_000.0 / LOUDEST))
+    assert quiet.grad is not None and float(quiet.grad) == 0.0
+    assert loud.grad is not None and float(loud.grad) > 0.0
 
 
 def test_a_weight_of_zero_leaves_a_phrase_out() -> None:
@@ -175,8 +185,13 @@ def test_features_and_heatmaps_are_those_of_the_model_itself(
         repeated = tuple(layer.repeat_interleave(2, dim=0) for layer in ours)
         whole = model.decoder(repeated, conditions).logits  # type: ignore[attr-defined]
         torch.testing.assert_close(decode(model, ours, conditions), whole)
-        part = decode(model, ours, conditions, (1, 0), 2)
+        loudness: list[torch.Tensor] = []
+        part = decode(model, ours, conditions, (1, 0), 2, loudness)
         torch.testing.assert_close(part, whole[:, 1::2, ::2])
+        decode(model, ours, 10.0 * conditions, loudness=loudness)
+        first, second, louder, _ = [float(one) for one in loudness]
+        assert min(first, second) > 0.0
+        assert louder > 10.0 * first
 
 
 def test_a_window_is_seen_where_it_lies_in_its_picture(
