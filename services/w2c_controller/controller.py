@@ -80,6 +80,8 @@ class Controller:
         self._blend = Blend(self._command, self.parameters.motion.blend_time, self.dt)
         self._tick = 0
         self._solved = True
+        self._block, self._measures = -1, False
+        """The four ticks under way, and whether this one is the first of them that came"""
         self._unseen = 0
         """Steps of `_look` that the newest measurement still waits for"""
         self._aborted = False
@@ -191,7 +193,10 @@ class Controller:
         if self._holds:
             self._abort_when_overdue()
             self._holds.advance(self._tick)
-        for hazard in self._guards.inspect(state, first=not self.takeover.done):
+        block = state.tick // SENSE_EVERY
+        self._measures, self._block = block > self._block, block
+        used = self._measures or not self.takeover.done
+        for hazard in self._guards.inspect(state, used=used):
             self._holds.found(hazard, self._tick)
 
     def _obey_operator(self, state: RobotState) -> None:
@@ -240,10 +245,10 @@ class Controller:
 
     # --- parts of a tick -------------------------------------------------------------------------
     def _sense(self, state: RobotState) -> None:
-        """Measure at every fourth tick, and look at it at the next two: no tick does all."""
+        """Measure once in four ticks, and look at it at the next two: no tick does all."""
         if not self.takeover.done:
             return
-        if state.tick % SENSE_EVERY:
+        if not self._measures:
             self._look()
             return
         while self._unseen:

@@ -2,7 +2,7 @@
 
 All readings of a state stand in one vector. One compiled pass over it finds what is not finite,
 what is beyond its limits for too long, and whether anything changes at all. Measurements are used
-at every fourth tick, and looked at whenever they are used.
+once in four ticks, and looked at whenever they are used.
 """
 
 import math
@@ -171,15 +171,15 @@ class Guards:
         self._torque = reading[2 * n : 3 * n]
         self._soles, self._wrist = reading[4 * n : 4 * n + 12], reading[4 * n + 12 :]
 
-    def inspect(self, state: RobotState, *, first: bool = False) -> Sequence[Hazard]:
-        """Return what is wrong with a state whose measurements are used; nearly always nothing.
+    def inspect(self, state: RobotState, *, used: bool) -> Sequence[Hazard]:
+        """Return what is wrong with a state; nearly always nothing.
 
         Args:
             state: Of this tick.
-            first: Whether measurements of this tick are used, whichever it is.
+            used: Whether its measurements are: those that are not are not looked at.
         """
         self._answers = self._answers + 1 if state.mode == "holding" else 0
-        if state.tick % SENSE_EVERY and not first:
+        if not used:
             return NOTHING
         self._position[:] = state.position
         self._velocity[:] = state.velocity

@@ -11,6 +11,7 @@ from w2c.errors import GoalRefusedError, SolverError
 from w2c.messages import Array, PlaceGoal, RobotDescription, RobotState
 from w2c.messages.control import SafetyCause
 from w2c_controller.controller import Controller
+from w2c_controller.safety.guards import SENSE_EVERY
 from w2c_controller.safety.hazards import RULES, Hazard
 from w2c_controller.safety.uptake import FARTHEST_AHEAD
 
@@ -116,6 +117,17 @@ def test_the_motion_does_not_run_ahead_of_a_robot_that_takes_no_commands(cell: C
     assert np.abs(np.diff(moved, axis=0)).max() < 0.01
     assert cell.reports() == []
     assert cell.phase() == "approach"
+
+
+@pytest.mark.parametrize("first", range(SENSE_EVERY))
+def test_with_ticks_that_did_not_come_it_measures_as_often(cell: Cell, first: int) -> None:
+    """A slow machine answers one tick in seven, never mind which: each of them is looked at."""
+    cell.robot.tick += first
+    spoil = spoilt("torque", 3, np.nan)
+    for _ in range(2):
+        cell.controller.tick(spoil(cell.robot.state()))
+        cell.robot.tick += 7
+    assert cell.reports().count(("sensor_not_finite", True)) == 2
 
 
 def test_a_long_pause_ends_the_goal(cell: Cell) -> None:
