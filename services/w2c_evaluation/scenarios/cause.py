@@ -4,6 +4,7 @@ Taken from the first prompt that failed. Where its target was not confirmed, or 
 farther from the wanted place than what counts as reached, the first turn that was answered wrongly
 decides; in each turn, in this order:
 
+system    what asks for something was refused before a model heard it: no picture, a lost link.
 words     the turn went to another module than it was meant for; other things, another hand or task
           were heard; the point is not on the side that was said; a correction moved the point by
           more than 10 px and half of its length from where its words say.
@@ -14,7 +15,7 @@ geometry  perception's point is more than 15 mm from what is truly behind the pi
 
 Where every turn was answered rightly and the operator gave up all the same, it is `operator`. A
 target that was confirmed at the right place and was refused or not reached is `control`, unless a
-wrong hand or task was heard. `scene`: the place was hidden. `system`: a process failed.
+wrong hand or task was heard. `scene`: the place was hidden. A process that failed is `system`, too.
 """
 
 from math import hypot
@@ -57,6 +58,8 @@ def cause_of_turn(turn: Understood, meaning: Meaning) -> Cause | None:
     """
     if turn.asks == "answered":
         return None
+    if turn.kind in ("prompt", "correction") and not turn.ok and not turn.asked:
+        return "system"
     if words_are_wrong(turn, meaning):
         return "words"
     if vision_is_wrong(turn, meaning):

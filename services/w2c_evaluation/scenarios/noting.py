@@ -57,6 +57,7 @@ def note(
         reply=turn.reply,
         seconds=turn.seconds,
         asks=asks,
+        asked=turn.evidence is not None,
         answers=answers,
         pixel=None if target is None else (target.u, target.v),
         before=None if before is None else (before.u, before.v),

@@ -31,6 +31,8 @@ class Understood(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
     asks: Asks = ""
     """The reply is a question that the operator could answer, or that none of its options fitted"""
+    asked: bool = True
+    """A model was asked what was meant; False: it was answered, or refused, before"""
     answers: bool = False
     """It answers a question: `kind` is that of the words that were asked about"""
     pixel: tuple[float, float] | None = None

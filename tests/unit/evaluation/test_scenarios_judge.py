@@ -230,6 +230,10 @@ BOOK_PROMPT = SCENARIO.prompts[0]
             {"phrases": (), "ok": False, "pixel": None, "reply": "I don't see a 'book'"},
             "vision",
         ),
+        (
+            {"phrases": (), "ok": False, "pixel": None, "reply": "no picture", "asked": False},
+            "system",
+        ),
         ({"boxes": ((100.0, 100.0, 300.0, 300.0),)}, "vision"),
         ({"true_owner": "table"}, "vision"),
         ({"point": (0.5, -0.2, 0.80)}, "geometry"),
