@@ -161,7 +161,10 @@ class Motion:
     """For which it must be felt [s]: an arm whose command stood still for a while and then goes on
     is jerked, and swings back within a tenth of a second"""
     air_bump_hard: float = 3.0
-    """So many times that force stops at once"""
+    """So many times that force stops sooner"""
+    air_bump_hard_time: float = 0.012
+    """For which that must be felt [s], so twice: where commands were lost the next one is a leap of
+    a few milliradians, which reads once as 130 N"""
     foot_bump_force: float = 40.0
     bump_retreat: float = 0.002
     """How far it then backs off along the normal [m]."""

@@ -10,9 +10,9 @@ import numpy as np
 
 from w2c.messages import RobotState
 
-FARTHEST_AHEAD: Final = 10
-"""Commands that may be under way to the robot. At the speed of a hand in the air they are 4 mm; a
-link as slow as this slows the motion down."""
+FARTHEST_AHEAD: Final = 5
+"""Commands that may be under way to the robot. At the speed of a hand in the air they are 2 mm; a
+link as slow as this slows the motion down. On a busy machine two or three are under way."""
 
 
 class Uptake:

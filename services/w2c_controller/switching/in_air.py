@@ -81,8 +81,10 @@ class InAir(Phases):
         share = 0.0 if at_target else self._tare_share
         force = self.feelers.feel(k, measured, limit, share)
         self._felt = self._felt + self._sense_period if force > limit else 0.0
+        hard = force > motion.air_bump_hard * limit
         stops = self._felt > (0.0 if at_target else motion.air_bump_time)
-        stops |= force > motion.air_bump_hard * limit
+        self._struck = self._struck + self._sense_period if hard else 0.0
+        stops |= self._struck > motion.air_bump_hard_time
         return self._bumped(force, limit) if stops else None
 
     def _bumped(self, force: float, limit: float) -> Finding | None:

@@ -96,6 +96,8 @@ class Phases(Bookkeeping, ABC):
         """Whether the force in the air of what moves is known"""
         self._felt = 0.0
         """For how long it is more than the air's [s]"""
+        self._struck = 0.0
+        """For how long it is much more [s]"""
         self._stay = False
         """Whether what is unloaded stays where it is afterwards"""
         for k in HANDS:
@@ -146,7 +148,7 @@ class Phases(Bookkeeping, ABC):
         self.phase = phase
         self._elapsed = 0.0
         self._settled = 0.0
-        self._felt = 0.0
+        self._felt = self._struck = 0.0
         self._travel.watch_anew()
         self._ramp.reset()
 

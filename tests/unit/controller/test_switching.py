@@ -132,6 +132,26 @@ def test_a_reaching_hand_that_touches_stops(in_air: ContactWorld) -> None:
     assert in_air.switching.distance() > 0.03
 
 
+def test_a_single_hard_reading_on_the_way_is_the_arm_and_a_second_one_something_else(
+    at_table: ContactWorld,
+) -> None:
+    """The command after a few lost ones leaps, and jerks the arm: that is over within 10 ms."""
+    at_table.switching.place(make_goal(NEAR))
+    at_table.run(0.5)
+    hard = np.array([-130.0, 0.0, 0.0])
+    at_table.extra[RIGHT_HAND] = hard
+    at_table.run(DT)
+    at_table.extra[RIGHT_HAND] = 0.6 * hard
+    at_table.run(DT)
+    at_table.extra[RIGHT_HAND] = 0.0
+    at_table.run(0.5)
+    assert at_table.switching.phase == "approach"
+    at_table.extra[RIGHT_HAND] = hard
+    at_table.run(2.0 * DT)
+    assert at_table.states()[-1] == "aborted"
+    assert [finding.cause for finding in at_table.findings] == ["contact_unexpected"]
+
+
 def test_the_same_hand_may_be_sent_elsewhere_on_its_way(in_air: ContactWorld) -> None:
     in_air.switching.place(make_goal(FAR_CUP, "left_hand", task="reach", goal_id="first"))
     in_air.run(1.0)
