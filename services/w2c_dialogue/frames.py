@@ -18,6 +18,9 @@ RESTARTED = (
 """Why nothing comes of a picture, for the operator"""
 KEPT_FRAMES = 100
 """Half a minute at 3 frames a second; a JPEG is about 200 kB, depth is not kept."""
+FIRST_TAKES = 3.0
+"""A dialogue that has just begun waits so many times as long: on a busy machine it takes seconds
+until the camera knows who listens."""
 STAND_IN_AGE_NS = 1_000_000_000
 """So far in time may the picture be that stands in for one that was lost."""
 STAND_IN_SHIFT_M = 0.005
@@ -73,7 +76,8 @@ class FrameStore:
         Args:
             stamp_ns: Of the picture that the operator saw; -1 = none.
             robot_boot_id: Of the robot in it; "" = not checked.
-            wait_s: How long it, and its pose, may still be on their way [s].
+            wait_s: How long it, and its pose, may still be on their way [s]; the very first one
+                may take `FIRST_TAKES` times as long.
 
         Raises:
             RefusedError: there is no such picture; says what to do.
@@ -81,7 +85,8 @@ class FrameStore:
         with self._changed:
             if stamp_ns >= 0 and not _same(robot_boot_id, self._boot_id):
                 raise RefusedError(RESTARTED)
-            self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=wait_s)
+            patience_s = wait_s if self._frames else FIRST_TAKES * wait_s
+            self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=patience_s)
             if not self._frames and stamp_ns < 0:
                 raise RefusedError(
                     "I have no picture: the camera does not send. Check `w2c status`, then say it "
