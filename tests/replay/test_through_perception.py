@@ -1,6 +1,7 @@
 """Perception of today says of yesterday's pictures what it said then."""
 
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -82,15 +83,23 @@ def test_what_was_not_recorded_is_skipped_with_the_reason(
     assert not report.values["outputs"][HEIGHTS]["compared"]
 
 
-def test_a_lost_picture_leaves_the_states_that_were_taken_with_it(
-    tmp_path: Path, kinds: Counter[str]
-) -> None:
+def losing_first(
+    kind: type[CameraFrame | CameraView],
+) -> Callable[[Recorded], Message | None]:
+    """Return what leaves out the first picture of a recording, or the view of it."""
     first = min(view.stamp_ns for view in views())
 
     def lose(recorded: Recorded) -> Message | None:
-        frame = recorded.message
-        return None if isinstance(frame, CameraFrame) and frame.stamp_ns == first else frame
+        message = recorded.message
+        return None if isinstance(message, kind) and message.stamp_ns == first else message
 
+    return lose
+
+
+def test_a_lost_picture_leaves_the_states_that_were_taken_with_it(
+    tmp_path: Path, kinds: Counter[str]
+) -> None:
+    lose = losing_first(CameraFrame)
     count = through(rewritten(RECORDING, tmp_path / "picture.mcap", lose)).values["outputs"][VIEW]
     assert count["skipped"] == {"the picture is not in the recording": 1}
     assert count["equal"] == kinds[VIEW] - 1
@@ -99,12 +108,7 @@ def test_a_lost_picture_leaves_the_states_that_were_taken_with_it(
 def test_after_a_lost_view_nobody_knows_which_states_came_before(
     tmp_path: Path, kinds: Counter[str]
 ) -> None:
-    first = min(view.stamp_ns for view in views())
-
-    def lose(recorded: Recorded) -> Message | None:
-        view = recorded.message
-        return None if isinstance(view, CameraView) and view.stamp_ns == first else view
-
+    lose = losing_first(CameraView)
     count = through(rewritten(RECORDING, tmp_path / "view.mcap", lose)).values["outputs"][VIEW]
     assert sum(count["skipped"].values()) == kinds[VIEW] - 1
     assert not count["differ"]

@@ -64,6 +64,11 @@ class Player:
         """Where the feet stand; None while it is not known."""
         return self._track.stance
 
+    @property
+    def world(self) -> int:
+        """Number of the present world, 0 before the first."""
+        return self._track.world
+
     def place(self, frame: CameraFrame) -> CameraView:
         """Remember a picture, and return where it was taken from.
 

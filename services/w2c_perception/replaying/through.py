@@ -135,8 +135,8 @@ class Run:
         if not compared.differs():
             return compared
         stamps = (frame.message.stamp_ns, frame.message.depth_stamp_ns)
-        world = 0 if player.stance is None else player.stance.world
-        why_not = self._known.why_not([stamp for stamp in stamps if stamp >= 0], world)
+        instants = [stamp for stamp in stamps if stamp >= 0]
+        why_not = self._known.why_not(instants, player.world)
         return self._skip(heard, why_not) if why_not else compared
 
     def _skip(self, heard: Heard, why_not: str) -> Skipped:
