@@ -16,25 +16,40 @@ QUIET_THREADS = {"OMP_WAIT_POLICY": "PASSIVE", "OPENBLAS_NUM_THREADS": "1"}
 # of the simulation outlives its launcher, even one that was killed. (On Linux.)
 _BOOTSTRAP = """
 import ctypes, os, signal, sys
+from w2c_launcher.niceness import give_way
 parent = int(sys.argv[1])
 if sys.platform == "linux":
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)
     if os.getppid() != parent:
         sys.exit(1)
-os.execv(sys.executable, [sys.executable, "-m", "w2c.cli", *sys.argv[2:]])
+give_way(int(sys.argv[2]))
+os.execv(sys.executable, [sys.executable, "-m", "w2c.cli", *sys.argv[3:]])
 """
 
 
 class Child:
     """A running `w2c VERB`. Its output goes to `<run_directory>/<name>.log`."""
 
-    def __init__(self, name: str, flags: tuple[str, ...], run_directory: Path) -> None:
+    def __init__(
+        self, name: str, flags: tuple[str, ...], run_directory: Path, niceness: int = 0
+    ) -> None:
+        """Start it. Raises ProcessError.
+
+        Args:
+            name: of the verb.
+            flags: of the verb.
+            run_directory: for its log.
+            niceness: how far it gives way to others, 0 to 19.
+        """
         self.name = name
         self.log_path = run_directory / f"{name}.log"
         try:
             with self.log_path.open("ab") as log:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-c", _BOOTSTRAP, str(os.getpid()), name, *flags],
+                    [
+                        *(sys.executable, "-c", _BOOTSTRAP, str(os.getpid()), str(niceness)),
+                        *(name, *flags),
+                    ],
                     stdin=subprocess.DEVNULL,
                     stdout=log,
                     stderr=log,

@@ -134,7 +134,7 @@ class Launcher:
                 self._set(slot, "stopped")
 
     def _start(self, slot: Slot) -> None:
-        slot.child = Child(slot.spec.name, slot.spec.flags, self._run_directory)
+        slot.child = Child(slot.spec.name, slot.spec.flags, self._run_directory, slot.spec.niceness)
         slot.last_health = time.monotonic()
         self._set(slot, "starting")
 

@@ -1,6 +1,6 @@
 """Which processes run where, as data."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from w2c.errors import ConfigError
 
@@ -18,6 +18,13 @@ class ProcessSpec:
     """Processes stop in ascending order of this"""
     joins_bus: bool = True
     """False: no health reports (the router)"""
+    niceness: int = 0
+    """How far it gives way to the others where the cores do not suffice"""
+
+
+CAN_WAIT = 3
+"""Niceness of what answers people. The loop, the robot, what carries their messages and what
+records them go before: ten programs that load at once leave too little for what comes at 500 Hz."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +66,15 @@ def _robot(options: Options) -> list[ProcessSpec]:
     return [
         ProcessSpec("robot", (*common, *scene, *lock_step, "--seed", str(options.seed)), 1, 7),
         ProcessSpec("controller", common, 2, 6),
-        ProcessSpec("camera", (*common, *scene), 2, 5),
+        ProcessSpec("camera", (*common, *scene), 2, 5, niceness=CAN_WAIT),
     ]
 
 
 def _models(options: Options) -> list[ProcessSpec]:
-    return [ProcessSpec(name, _connection(options), 2, 4) for name in ("llm", "grounding")]
+    return [
+        ProcessSpec(name, _connection(options), 2, 4, niceness=CAN_WAIT)
+        for name in ("llm", "grounding")
+    ]
 
 
 def _operator(options: Options) -> list[ProcessSpec]:
@@ -72,9 +82,9 @@ def _operator(options: Options) -> list[ProcessSpec]:
     console = (*common, "--port", str(options.console_port))
     return [
         ProcessSpec("recorder", common, 1, 8),
-        ProcessSpec("perception", common, 2, 3),
-        ProcessSpec("dialogue", common, 2, 2),
-        ProcessSpec("console", console, 2, 1),
+        ProcessSpec("perception", common, 2, 3, niceness=CAN_WAIT),
+        ProcessSpec("dialogue", common, 2, 2, niceness=CAN_WAIT),
+        ProcessSpec("console", console, 2, 1, niceness=CAN_WAIT),
     ]
 
 
@@ -100,13 +110,7 @@ def processes(profile: str, options: Options) -> list[ProcessSpec]:
             f"{', '.join(names)}"
         )
     return [
-        ProcessSpec(
-            spec.name,
-            (*spec.flags, *options.extra_flags.get(spec.name, ())),
-            spec.stage,
-            spec.stop_stage,
-            spec.joins_bus,
-        )
+        replace(spec, flags=(*spec.flags, *options.extra_flags.get(spec.name, ())))
         for spec in specs
         if spec.name not in options.without
     ]

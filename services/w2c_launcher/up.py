@@ -2,6 +2,7 @@
 
 import logging
 import os
+import shlex
 import threading
 import time
 from contextlib import ExitStack
@@ -52,7 +53,7 @@ class UpConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     services: str = ""
     """TOML file with a table a service, for all settings that are not flags here."""
     with_flags: tuple[str, ...] = ()
-    """More flags for one service, e.g. --with-flags "llm:--model my.gguf"."""
+    """More flags for one service, e.g. --with-flags "llm:--model my.gguf"; quoted as in a shell."""
     without: tuple[str, ...] = ()
     """Services that are not started: something else answers for them, or nobody."""
     detach: bool = False
@@ -66,7 +67,13 @@ def options_of(config: UpConfig, run_directory: Path) -> Options:
         service, separator, flags = entry.partition(":")
         if not separator:
             raise ConfigError(f"--with-flags '{entry}': expected SERVICE:FLAGS")
-        extra[service] = (*extra.get(service, ()), *flags.split())
+        try:
+            words = shlex.split(flags)
+        except ValueError as error:  # a quote that is not closed
+            raise ConfigError(
+                f"--with-flags '{entry}' has a quote that is not closed; close it"
+            ) from error
+        extra[service] = (*extra.get(service, ()), *words)
     return Options(
         robot=config.robot,
         router=f"tcp/127.0.0.1:{free_port()}" if config.private else config.router,

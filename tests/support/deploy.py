@@ -41,10 +41,31 @@ def interpolate(text: str, variables: dict[str, str]) -> str:
     return _VARIABLE.sub(value_of, text)
 
 
+class _UniqueKeys(yaml.SafeLoader):
+    """Refuses what compose refuses: a key that stands twice in a mapping."""
+
+    def compose_mapping_node(self, anchor: dict[Any, yaml.Node]) -> yaml.MappingNode:
+        """Look at the keys before those of `<<` are among them."""
+        node = super().compose_mapping_node(anchor)
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"key {key.value!r} stands twice", key.start_mark
+                )
+            seen.add(key.value)
+        return node
+
+
+def load_yaml(text: str) -> dict[str, Any]:
+    """Return a YAML document. Raises yaml.YAMLError, also for a key that stands twice."""
+    document: dict[str, Any] = yaml.load(text, _UniqueKeys)  # noqa: S506  # a SafeLoader
+    return document
+
+
 def read_compose(path: Path, variables: dict[str, str] | None = None) -> dict[str, Any]:
     """Return a compose file with its variables filled in, extensions (x-...) left out."""
-    text = interpolate(path.read_text(), variables or {})
-    document: dict[str, Any] = yaml.safe_load(text)
+    document = load_yaml(interpolate(path.read_text(), variables or {}))
     return {name: value for name, value in document.items() if not name.startswith("x-")}
 
 

@@ -10,9 +10,10 @@ import jsonschema
 import pytest
 import yaml
 
-from support.deploy import ROOT, dot_env, read_compose
-from w2c import router, service, topics
+from support.deploy import ROOT, dot_env, load_yaml, read_compose
+from w2c import realtime, router, service, topics
 from w2c.config import parse
+from w2c_launcher.profiles import Options, processes
 
 COMPOSE = ROOT / "compose.yaml"
 HOSTS = ROOT / "deploy" / "hosts"
@@ -46,7 +47,7 @@ def overrides() -> list[str]:
 def test_compose_fits_the_specification(
     specification: jsonschema.Draft202012Validator,
 ) -> None:
-    specification.validate(yaml.safe_load(COMPOSE.read_text()))
+    specification.validate(load_yaml(COMPOSE.read_text()))
 
 
 @pytest.mark.parametrize("name", overrides())
@@ -195,16 +196,37 @@ def test_only_the_page_is_published_and_only_to_this_machine(
     assert with_a_way_out == ["console"]
 
 
-def test_only_the_controller_may_raise_its_priority(services: dict[str, Service]) -> None:
-    controller = services["controller"]
+def test_a_key_that_stands_twice_is_refused_as_compose_does() -> None:
+    with pytest.raises(yaml.YAMLError, match="'ulimits' stands twice"):
+        load_yaml("x: &x {ulimits: {rtprio: 50}}\na: {<<: *x, ulimits: 1, cpus: 2, ulimits: 2}")
 
-    assert controller["cap_add"] == ["SYS_NICE"]
-    assert controller["ulimits"]["rtprio"] == 95
-    assert controller["ulimits"]["memlock"] == {"soft": -1, "hard": -1}
+    assert load_yaml("x: &x {cpus: 1}\na: {<<: *x, cpus: 2}")["a"] == {"cpus": 2}
+
+
+def test_only_the_loops_may_raise_their_priority_and_nobody_is_privileged(
+    services: dict[str, Service],
+) -> None:
+    limits = {name: row["ulimits"] for name, row in services.items() if "ulimits" in row}
+
+    assert limits.keys() == {"robot", "controller"}
+    for one in limits.values():
+        assert one["rtprio"] > max(realtime.CONTROLLER_PRIORITY, realtime.ROBOT_PRIORITY)
+        assert one["memlock"] == -1
     for name, row in services.items():
         assert row["cap_drop"] == ["ALL"], name
         assert not row.get("privileged", False), name
-        assert name == "controller" or "cap_add" not in row
+        assert "cap_add" not in row, name
+
+
+def test_what_waits_for_the_loops_is_what_the_launcher_makes_nice(
+    services: dict[str, Service],
+) -> None:
+    specs = processes("simulation", Options("talos", "tcp/x:1", "tcp/x:2", "/runs", 8080))
+    nice = {spec.name for spec in specs if spec.niceness}
+
+    waits = {name.removesuffix(ON_GPU) for name, row in services.items() if "cpu_shares" in row}
+
+    assert waits == nice
 
 
 def test_the_hosts_share_out_all_services_without_overlap(services: dict[str, Service]) -> None:

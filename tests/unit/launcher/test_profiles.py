@@ -38,6 +38,13 @@ def test_the_router_starts_first_and_stops_last_and_the_recorder_just_before() -
     assert [spec.name for spec in by_stop[-2:]] == ["recorder", "router"]
 
 
+def test_loop_robot_and_recorder_go_before_what_answers_people() -> None:
+    niceness = {spec.name: spec.niceness for spec in processes("simulation", options())}
+    first = {"router", "robot", "controller", "recorder"}
+    assert {niceness[name] for name in first} == {0}
+    assert min(niceness[name] for name in niceness.keys() - first) > 0
+
+
 def test_lock_step_and_scene_reach_the_simulator() -> None:
     specs = {s.name: s for s in processes("simulation", options(lock_step=True, scene="s.json"))}
     assert "--lock-step" in specs["robot"].flags
@@ -55,6 +62,15 @@ def test_flags_for_one_service_reach_it_alone() -> None:
     specs = {s.name: s for s in processes("simulation", options_of(config, Path("/tmp/run")))}
     assert specs["llm"].flags[-4:] == ("--threads", "4", "--seed", "1")
     assert "--threads" not in specs["grounding"].flags
+
+
+def test_flags_are_quoted_as_in_a_shell() -> None:
+    config = UpConfig(with_flags=("llm:--model '/my models/a.gguf'",))
+    specs = {s.name: s for s in processes("simulation", options_of(config, Path("/tmp/run")))}
+    assert specs["llm"].flags[-2:] == ("--model", "/my models/a.gguf")
+
+    with pytest.raises(ConfigError, match="a quote that is not closed"):
+        options_of(UpConfig(with_flags=("llm:--model 'my",)), Path("/tmp/run"))
 
 
 def test_flags_without_a_service_are_refused() -> None:
