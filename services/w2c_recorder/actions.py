@@ -91,6 +91,8 @@ def timeline(options: Namespace) -> Report:
     for entry in entries:
         minutes, seconds = divmod(entry.seconds, 60)
         lines.append(f"{minutes:3.0f}:{seconds:06.3f}  {entry.actor:<14} {entry.text}")
+    if not entries:
+        lines.append(f"nothing to tell: {_why_silent(source)}")
     lines += source.damage.lines()
     if options.html is not None:
         lines.append(_write_page(options, source, entries))
@@ -100,6 +102,11 @@ def timeline(options: Namespace) -> Report:
         "entries": [_entry_values(entry) for entry in entries],
     }
     return Report(lines, values)
+
+
+def _why_silent(source: Recording) -> str:
+    known = next(source.messages(decode=False), None)
+    return source.why_empty() if known is None else "no words, calls, goals or warnings are in it"
 
 
 def _entry_values(entry: Entry) -> dict[str, object]:

@@ -5,7 +5,9 @@ from typing import Annotated, TypeVar
 
 import msgspec
 
+from w2c import topics
 from w2c.config import load, read_toml
+from w2c.errors import ConfigError
 
 Limit = Annotated[float, msgspec.Meta(ge=0.0)]
 
@@ -68,7 +70,13 @@ class Budget(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 def read_budget(path: Path) -> Budget:
     """Return the budget of a TOML file. Raises ConfigError with what is wrong in it."""
-    return load(Budget, read_toml(path))
+    budget = load(Budget, read_toml(path))
+    known = {f"{method.service}/{method.name}" for method in topics.METHODS}
+    for name in sorted(budget.calls.keys() - known):
+        raise ConfigError(
+            f"{path}: there is no call '{name}'; choose one of: {', '.join(sorted(known))}"
+        )
+    return budget
 
 
 L = TypeVar("L", StreamLimits, CallLimits)

@@ -12,9 +12,11 @@ from w2c.extras import needs_extra
 from w2c.messages import Empty, MarkRequest, RecorderStatus, RecordRequest
 from w2c.system import Connection, service_config
 from w2c_recorder.flags import make_parser
-from w2c_recorder.report import Report, write_file
+from w2c_recorder.report import Report, spare, write_file
 
 MAX_MARK = 1000
+WRITTEN = ("json", "html", "out")
+"""Flags of `w2c recording` that name a file to be written"""
 
 
 class RecordConfig(Connection, frozen=True, kw_only=True):
@@ -81,7 +83,11 @@ def recording(arguments: list[str] | None = None) -> int:
     options = make_parser().parse_args(argv)
     with needs_extra("recorder"):
         from w2c_recorder import actions
+        from w2c_recorder.series import files_of
 
+        if options.file.exists():
+            written = [getattr(options, name, None) for name in WRITTEN]
+            spare(files_of(options.file).values(), *written)
         report: Report = getattr(actions, options.action)(options)
     for line in report.lines:
         print(line)

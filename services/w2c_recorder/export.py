@@ -21,6 +21,7 @@ from w2c_recorder.history import History, history_of
 from w2c_recorder.pictures import frames_of
 from w2c_recorder.reading import Recording
 from w2c_recorder.report import Report, write_file
+from w2c_recorder.whole_file import whole_file
 
 
 def export(options: Namespace) -> Report:
@@ -152,7 +153,8 @@ def _foxglove(options: Namespace) -> Report:
 
     out = options.out or options.file.with_name(f"{options.file.stem}-foxglove.mcap")
     source = Recording(options.file)
-    copied = copy_shown(source, out)
+    with whole_file(out) as unfinished:
+        copied = copy_shown(source, unfinished)
     lines = [f"recording: {out}, {copied.messages} messages, {copied.shown} for Foxglove and Rerun"]
     lines += _still(copied.problem) + source.damage.lines()
     return Report(lines, status=0 if copied.shown else 1)

@@ -1,6 +1,7 @@
 """The camera's pictures as a film, with target, boxes, heat and captions."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import cv2
@@ -29,15 +30,21 @@ def write_film(recording: Recording, out: Path) -> int:
         The number of recorded pictures in it.
 
     Raises:
-        RecordingError: there is no picture in the recording.
+        RecordingError: there is no picture in the recording that can be read, or no room for the
+            film.
         ConfigError: the file cannot be written.
     """
     history = history_of(recording)
     if not history.frames:
         raise RecordingError(f"{recording.path} holds no picture of the camera")
-    out.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(
+            f"{out} cannot be written: {error.strerror}; choose another --out"
+        ) from error
     writer: cv2.VideoWriter | None = None
-    size, count = (0, 0), 0
+    size, count, frames = (0, 0), 0, 0
     try:
         for drawn, repeats in _drawn(recording, history):
             if writer is None:
@@ -51,10 +58,25 @@ def write_film(recording: Recording, out: Path) -> int:
             for _ in range(repeats):
                 writer.write(fitting)
             count += 1
+            frames += repeats
     finally:
         if writer is not None:
             writer.release()
+    if not count:
+        raise RecordingError(f"{recording.path} holds no picture of the camera that can be read")
+    _check_whole(out, frames)
     return count
+
+
+def _check_whole(out: Path, frames: int) -> None:
+    """Raise RecordingError where a film is not what was written: OpenCV tells of no full disk."""
+    film = cv2.VideoCapture(str(out))
+    found = round(film.get(cv2.CAP_PROP_FRAME_COUNT)) if film.isOpened() else 0
+    film.release()
+    if found < frames:
+        raise RecordingError(
+            f"{out} has {found} of {frames} frames; make room, or choose another --out"
+        )
 
 
 def _drawn(recording: Recording, history: History) -> Iterator[tuple[BgrImage, int]]:
@@ -68,15 +90,20 @@ def _drawn(recording: Recording, history: History) -> Iterator[tuple[BgrImage, i
     shown_ns = 0
     ends = [frame.at_ns for frame in history.frames[1:]] + [history.end_ns + step_ns]
     pictures = (one for one in recording.of(topics.CAMERA_FRAME))
+    pixels: BgrImage | None = None
     for end_ns, recorded in zip(ends, pictures, strict=False):
         frame = recorded.message
         if not isinstance(frame, m.CameraFrame):
+            continue
+        with suppress(RecordingError):  # one that is none is stood in for by the one before
+            pixels = decode_picture(frame.jpeg)
+        if pixels is None:
             continue
         shown_ns = max(shown_ns, recorded.log_time_ns)
         limit_ns = min(end_ns, shown_ns + round(LONGEST_STILL_S * 1e9))
         repeats = max(0, -(-(limit_ns - shown_ns) // step_ns))
         if repeats:
-            image = draw(decode_picture(frame.jpeg), _overlay(history, frame, end_ns, views))
+            image = draw(pixels, _overlay(history, frame, end_ns, views))
             caption(image, _captions(history, shown_ns, end_ns))
             yield image, repeats
             shown_ns += repeats * step_ns

@@ -138,8 +138,7 @@ def history_of(recording: Recording) -> History:
         if recorded.topic in ROWS:
             _add(history, recorded.decoded())
     if not history.end_ns:
-        problem = recording.damage.reason or "it was closed without one"
-        raise RecordingError(f"{recording.path} holds no message: {problem}")
+        raise RecordingError(f"{recording.path} holds no message: {recording.why_empty()}")
     history.start_ns = recording.start_ns
     return history
 

@@ -4,7 +4,7 @@ import fcntl
 import logging
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -55,13 +55,15 @@ class EnvelopeHead(msgspec.Struct, frozen=True):
 
 
 _DECODE_HEAD = msgspec.msgpack.Decoder(EnvelopeHead).decode
+NO_ENVELOPE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+"""What decoding raises for bytes that are none; the last for lists in lists in lists ..."""
 
 
 def head_of(payload: bytes) -> EnvelopeHead | None:
     """Return what an envelope says of its message; None for bytes that are no envelope."""
     try:
         return _DECODE_HEAD(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except NO_ENVELOPE:
         return None
 
 
@@ -238,7 +240,8 @@ class McapFile:
 
     def abandon(self) -> None:
         """Release the file without an end. What was flushed is readable."""
-        self._output.close()
+        with suppress(OSError):  # a disk may say only now that it is full: that is known already
+            self._output.close()
 
     def _channel_of(self, key: str) -> int:
         """Return the channel of a key; a new key opens one."""

@@ -96,7 +96,7 @@ def overview_of(recording: Recording) -> Overview:
         damage=_describe_damage(recording),
         recovered=recording.metadata.get(RECOVERY_METADATA, {}).get("reason", ""),
         start_ns=recording.start_ns,
-        duration_s=(end_ns - recording.start_ns) * 1e-9,
+        duration_s=max(end_ns - recording.start_ns, 0) * 1e-9,
         session=recording.metadata.get(SESSION_METADATA, {}),
         processes={
             name.removeprefix(PROCESS_PREFIX): facts

@@ -58,7 +58,8 @@ class Recording:
         self.start_ns = 0
         """Arrival of the first message of any key [ns since 1970]; 0 before one was read."""
         self._look = _Look()
-        self._read_whole = False
+        self.read_whole = False
+        """All messages were read at least once: `damage` is final"""
 
     @cached_property
     def paths(self) -> dict[int, Path]:
@@ -102,7 +103,7 @@ class Recording:
                 elif record.name != SESSION_METADATA or SESSION_METADATA not in self.metadata:
                     self.metadata[record.name] = dict(record.metadata)
         self._look = look
-        self._read_whole = True
+        self.read_whole = True
 
     def messages_between(
         self, start_ns: int, end_ns: int, wanted: Callable[[str], bool] = lambda _key: True
@@ -153,9 +154,15 @@ class Recording:
 
     def _begin_look(self) -> "_Look":
         look = _Look(max(self.paths) + 1 - len(self.paths))
-        if not self._read_whole:  # a second look that ends early must not forget what the first saw
+        if not self.read_whole:  # a second look that ends early must not forget what the first saw
             self._look = look
         return look
+
+    def why_empty(self) -> str:
+        """Return, after all was read, why there was no message of the bus."""
+        if self.elsewhere:
+            return f"another program wrote it; it has {', '.join(sorted(self.elsewhere)[:5])}"
+        return self.damage.reason or "it was closed without one"
 
     def read_metadata(self) -> None:
         """Read what stands before the first message, and when that one arrived."""
@@ -285,7 +292,10 @@ def _partly(
     envelope: Envelope, message_type: type[Message], problem: str
 ) -> tuple[Envelope, Message | None, str]:
     """Return what this version knows of a message, where a newer one wrote it."""
-    data, unknown = known_part(envelope.data, message_type)
+    try:
+        data, unknown = known_part(envelope.data, message_type)
+    except RecursionError:  # lists in lists in lists: no version writes that
+        return envelope, None, problem
     if not unknown or not data:  # nothing of it is known: another message altogether
         return envelope, None, problem
     try:

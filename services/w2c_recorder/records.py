@@ -1,5 +1,6 @@
 """MCAP records in the order of the file, also from one that was never closed or is damaged."""
 
+import os
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -7,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
+import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import InvalidMagic, McapError
 from mcap.reader import SeekingReader
@@ -15,6 +17,7 @@ from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk, 
 from mcap.summary import Summary
 
 from w2c.errors import RecordingError
+from w2c_recorder.landmarks import Landmarks
 
 RECORD_LIMIT = 1 << 30
 """Garbage read as a length must not make the reader ask for all memory [B]."""
@@ -23,7 +26,10 @@ DISORDER_NS = 10_000_000_000
 last snapshot [ns]"""
 
 # What the library and the decompressors raise for bytes that are no record.
-_DAMAGE = (McapError, CRCValidationError, ValueError, RuntimeError, struct.error, MemoryError)
+_DAMAGE = (
+    *(McapError, CRCValidationError, ValueError, RuntimeError, struct.error, MemoryError),
+    *(zstandard.ZstdError, OverflowError),
+)
 
 
 @dataclass
@@ -163,10 +169,10 @@ class RecordReader:
                 yield from self._chunk(stream, index)
 
     def _chunk(self, stream: IO[bytes], index: ChunkIndex) -> Iterator[Message]:
-        stream.seek(index.chunk_start_offset)
         try:
+            stream.seek(index.chunk_start_offset)
             chunk = next(self._records(stream), None)
-        except _DAMAGE:
+        except (*_DAMAGE, OSError):  # a torn index may name a place that no file has
             chunk = None
         if isinstance(chunk, Chunk):
             yield from (one for one in self._keep(chunk) if isinstance(one, Message))
@@ -188,22 +194,55 @@ class RecordReader:
         ).records
 
     def _contents(self, stream: IO[bytes]) -> Iterator[Metadata | Message]:
+        summary = self._summary(stream)
+        landmarks = Landmarks(summary)
         self._check_magic(stream)
         records = self._records(stream)
         while True:
+            position = stream.tell()
             try:
                 record = next(records, None)
+                first = landmarks.first_byte(record, position, stream.tell())
+                landmarks.check(record, first, stream.tell())
             except _DAMAGE as error:
-                self.damage.reason = (
-                    f"ends in the middle of a record ({type(error).__name__}: {error})"
-                )
-                return
+                target = self._behind(stream, position, landmarks)
+                if target is None:
+                    self.damage.reason = (
+                        f"ends in the middle of a record ({type(error).__name__}: {error})"
+                    )
+                    return
+                self._describe(summary)
+                stream.seek(target)
+                records = self._records(stream)
+                continue
             if record is None:
                 return
             if isinstance(record, Footer):
                 self.damage.complete = True
                 return
+            skipped = self.damage.skipped_chunks
+            self.damage.skipped_chunks += landmarks.chunks_between(position, first)
             yield from self._keep(record)
+            if self.damage.skipped_chunks > skipped:
+                self._describe(summary)
+            following = landmarks.next_after(first)
+            if following is not None and stream.tell() > following:
+                stream.seek(following)
+                records = self._records(stream)
+
+    def _behind(self, stream: IO[bytes], position: int, landmarks: Landmarks) -> int | None:
+        """Return the next place after what is no record, and count what is lost before it."""
+        target = landmarks.next_after(position)
+        if target is None or target >= stream.seek(0, os.SEEK_END):
+            return None
+        self.damage.skipped_chunks += landmarks.chunks_between(position, target)
+        return target
+
+    def _describe(self, summary: Summary | None) -> None:
+        """Take from the index the channels that a damaged chunk described."""
+        if summary is not None:
+            self.schemas = {**summary.schemas, **self.schemas}
+            self.channels = {**summary.channels, **self.channels}
 
     def _keep(self, record: McapRecord) -> Iterator[Metadata | Message]:
         if isinstance(record, Chunk):

@@ -73,7 +73,7 @@ def recover(path: Path) -> int:
             f"{path} could not be recovered: {error.strerror}; it is as it was"
         ) from error
     finally:
-        with suppress(FileNotFoundError):  # it became the recording
+        with suppress(OSError):  # it became the recording, or nothing can be written there
             unfinished.unlink()
     return messages
 

@@ -1,5 +1,6 @@
 """What an action on a recording gives: lines for people, values for programs, an exit status."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,13 @@ class Report:
     lines: list[str]
     values: dict[str, Any] = field(default_factory=dict)
     status: int = 0
+
+
+def spare(recording: Iterable[Path], *written: Path | None) -> None:
+    """Raise ConfigError where a file that is to be written is one of the recording that is read."""
+    for path in written:
+        if path is not None and path.exists() and any(path.samefile(one) for one in recording):
+            raise ConfigError(f"{path} is the recording itself; choose another place to write to")
 
 
 def write_file(path: Path, data: bytes) -> None:

@@ -33,7 +33,7 @@ def same_schema(recorded: bytes, message_type: type[Message]) -> bool:
     """Tell whether a recorded schema has the same fields and types; words do not count."""
     try:
         return bool(_undescribed(msgspec.json.decode(recorded)) == _plain_schema(message_type))
-    except msgspec.DecodeError:
+    except (msgspec.DecodeError, UnicodeDecodeError):
         return False
 
 

@@ -187,7 +187,8 @@ def timeline_of(recording: Recording) -> Iterator[Entry]:
     """Yield the story in the order in which it reached the recorder. Raises RecordingError."""
     teller = _Teller()
     for recorded in recording.messages(is_told):
-        seconds = (recorded.log_time_ns - recording.start_ns) * 1e-9
+        # Who is there is written before what is queued: that may have arrived a moment earlier.
+        seconds = max(0, recorded.log_time_ns - recording.start_ns) * 1e-9
         for line in teller.lines(recorded):
             yield Entry(
                 seconds, line.kind, _printable(line.actor), _printable(line.text), line.target

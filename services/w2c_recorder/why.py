@@ -50,8 +50,10 @@ def motion_at(recording: Recording, at_ns: int) -> Motion:
     states: deque[Recorded] = deque(maxlen=STATES_KEPT)
     for recorded in recording.messages(decode=False):
         if recorded.log_time_ns > at_ns:
-            break
-        if recorded.topic is topics.JOINT_COMMAND:
+            # Not at another key: who comes and goes is written at once, before what is queued.
+            if recorded.topic is topics.JOINT_COMMAND:
+                break
+        elif recorded.topic is topics.JOINT_COMMAND:
             command = recorded
         elif recorded.topic is topics.ROBOT_STATE:
             states.append(recorded)

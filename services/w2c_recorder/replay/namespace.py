@@ -14,6 +14,7 @@ import msgspec
 from w2c import topics
 from w2c.bus import Input
 from w2c.bus.codec import ENVELOPE_VERSION
+from w2c_recorder.mcap_file import NO_ENVELOPE
 from w2c_recorder.reading import topic_of
 
 BOOT_ID = "boot_id"
@@ -97,7 +98,7 @@ class Namespace:
         """
         try:
             envelope = _DECODE(payload)
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except NO_ENVELOPE:
             return None
         if envelope.version != ENVELOPE_VERSION:
             return None

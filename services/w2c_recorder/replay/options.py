@@ -1,6 +1,7 @@
 """Flags of `w2c replay FILE`, and of `w2c replay FILE --through SERVICE`."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -93,10 +94,7 @@ def parse_options(arguments: list[str]) -> tuple[Path, ReplayOptions | ThroughOp
         if patterns in values:
             values[patterns] = tuple(values[patterns])
     options = load(ReplayOptions, values)
-    if options.end_s is not None and options.end_s <= options.start_s:
-        raise ConfigError(
-            f"--until {options.end_s:g} is not after --from {options.start_s:g}; nothing is between"
-        )
+    _check_times(options.start_s, math.inf if options.end_s is None else options.end_s)
     return path, options
 
 
@@ -106,4 +104,16 @@ def _through_options(values: dict[str, Any]) -> ThroughOptions:
         if name not in ONLY_THROUGH and name not in FOR_BOTH:
             flag = "--as" if name == "namespace" else f"--{name.replace('_', '-')}"
             raise ConfigError(f"{flag} is for a replay on the bus; --through SERVICE needs none")
-    return ThroughOptions(**values)
+    options = ThroughOptions(**values)
+    if options.tolerance is not None and not 0.0 <= options.tolerance < math.inf:
+        raise ConfigError(
+            f"--tolerance {options.tolerance:g}: a difference of numbers is 0 or more, as 1e-6"
+        )
+    _check_times(options.start_s, options.end_s)
+    return options
+
+
+def _check_times(start_s: float, end_s: float) -> None:
+    """Raise ConfigError where nothing is between two times [s]."""
+    if end_s <= start_s:
+        raise ConfigError(f"--until {end_s:g} is not after --from {start_s:g}; nothing is between")

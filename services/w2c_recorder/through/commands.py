@@ -6,7 +6,8 @@ from pathlib import Path
 from w2c.extras import needs_extra
 from w2c.through import through
 from w2c_recorder.reading import Recording
-from w2c_recorder.report import Report, write_file
+from w2c_recorder.report import Report, spare, write_file
+from w2c_recorder.series import files_of
 from w2c_recorder.through.options import ThroughOptions
 from w2c_recorder.through.session import RecordedSession
 from w2c_recorder.through.tally import Tally
@@ -22,6 +23,8 @@ def run(path: Path, options: ThroughOptions) -> int:
         RecordingError: there is no such recording, or what the service must know is not in it.
         ConfigError: this service cannot be run on a recording.
     """
+    if path.exists():
+        spare(files_of(path).values(), options.json)
     report = compare(path, options)
     for line in report.lines:
         print(line)
@@ -40,4 +43,7 @@ def compare(path: Path, options: ThroughOptions) -> Report:
         session = RecordedSession(recording, options.end_s)
         for result in make_again(session, options.tolerance):
             tally.add(result)
-    return tally.report(f"{path}, through {options.service} of this version")
+    report = tally.report(f"{path}, through {options.service} of this version")
+    if recording.read_whole:
+        report.lines.extend(recording.damage.lines())
+    return report

@@ -104,3 +104,12 @@ def test_a_budget_with_a_wrong_name_says_which_there_are(tmp_path: Path) -> None
 
     with pytest.raises(ConfigError, match="unknown field `speed`"):
         read_budget(budget)
+
+
+def test_a_budget_for_a_call_that_there_is_not_says_which_there_are(tmp_path: Path) -> None:
+    """A limit that nothing is held against would be kept for ever."""
+    budget = tmp_path / "budget.toml"
+    budget.write_text('[calls."llm/complet"]\nfailed_max = 0\n')
+
+    with pytest.raises(ConfigError, match=r"no call 'llm/complet'.*llm/complete"):
+        read_budget(budget)

@@ -12,6 +12,7 @@ from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 from mcap.reader import make_reader
 
+from support.disk import file_size_limit
 from support.recordings import raw_mark
 from support.robots import URDF
 from support.robots import robot_session as session
@@ -20,7 +21,7 @@ from w2c import messages as m
 from w2c import topics
 from w2c.bus import RawReceived
 from w2c.depth import encode_depth
-from w2c.errors import GeometryError
+from w2c.errors import GeometryError, RecordingError
 from w2c.geometry import quaternion_from_rotation, rotation_from_quaternion
 from w2c_recorder.commands import recording
 from w2c_recorder.foxglove.cloud import cloud_of
@@ -105,6 +106,17 @@ def test_the_bytes_of_the_bus_are_untouched(tmp_path: Path) -> None:
     assert after.metadata["session"] == before.metadata["session"]
     assert after.elsewhere["foxglove/test/joints"] == 1
     assert before.elsewhere == {}
+
+
+def test_a_full_disk_leaves_no_part_of_a_file(tmp_path: Path) -> None:
+    exported(session(), tmp_path)
+    before = set(tmp_path.iterdir())
+    arguments = ["export", str(tmp_path / "session.mcap"), "--to", "foxglove"]
+
+    with file_size_limit(2000), pytest.raises(RecordingError, match="cannot be written"):
+        recording([*arguments, "--out", str(tmp_path / "again.mcap")])
+
+    assert set(tmp_path.iterdir()) == before
 
 
 def test_info_tells_repeats_from_recorded_channels(

@@ -79,8 +79,11 @@ def test_a_key_that_the_registry_does_not_know_is_recorded_without_a_schema(path
     assert message.data == b"\x80"
 
 
-def test_bytes_that_are_no_envelope_are_recorded_and_counted(path: Path) -> None:
-    garbage = RawReceived(MARK_KEY, b"\xffgarbage", 77)
+@pytest.mark.parametrize(
+    "payload", [b"\xffgarbage", b"\x81\xa4data" + b"\x91" * 2000 + b"\x90"], ids=["none", "deep"]
+)
+def test_bytes_that_are_no_envelope_are_recorded_and_counted(path: Path, payload: bytes) -> None:
+    garbage = RawReceived(MARK_KEY, payload, 77)
     file = write_recording(path, [garbage])
 
     assert file.malformed == 1

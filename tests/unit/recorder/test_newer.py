@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from support.recordings import raw_message, write_recording
 from w2c import messages as m
@@ -66,3 +67,8 @@ def test_a_channel_that_another_version_described_is_named(tmp_path: Path) -> No
     list(recording.messages())
 
     assert recording.other_schemas() == {}
+
+
+@pytest.mark.parametrize("torn", [b"{", b'{"title": "\xff"}'])
+def test_a_schema_that_is_torn_is_another(torn: bytes) -> None:
+    assert not same_schema(torn, MarkRequest)

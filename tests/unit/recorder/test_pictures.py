@@ -7,9 +7,11 @@ import cv2
 import numpy as np
 import pytest
 
+from support.disk import file_size_limit
 from support.sessions import HEIGHT, LATER_STAMP_NS, WIDTH, Session, conversation
 from w2c import messages as m
 from w2c import topics
+from w2c.bus import RawReceived
 from w2c.errors import ConfigError, RecordingError
 from w2c_recorder.commands import recording
 from w2c_recorder.drawing import BOX_COLOUR, decode_picture, draw
@@ -162,3 +164,49 @@ def test_a_film_of_no_pictures_is_an_error(tmp_path: Path) -> None:
 
     with pytest.raises(RecordingError, match="holds no picture"):
         recording(["export", str(session.write(tmp_path / "a.mcap")), "--to", "mp4"])
+
+
+def with_broken_pictures(path: Path, broken: set[int]) -> Path:
+    """Write the session with pictures of these numbers that are none."""
+    session = conversation()
+    for number, raw in enumerate([raw for raw in session.raw if "rgbd" in raw.key]):
+        if number in broken:
+            torn = raw.payload.replace(b"\xff\xd8\xff", b"\0\0\0")
+            assert torn != raw.payload
+            session.raw[session.raw.index(raw)] = RawReceived(raw.key, torn, raw.received_ns)
+    return session.write(path)
+
+
+def test_a_picture_that_is_none_does_not_end_the_film(tmp_path: Path) -> None:
+    path = with_broken_pictures(tmp_path / "a.mcap", {1})
+    out = tmp_path / "film.mp4"
+
+    recording(["export", str(path), "--to", "mp4", "--out", str(out)])
+
+    film = cv2.VideoCapture(str(out))
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == 36
+    film.release()
+
+
+def test_a_film_of_pictures_that_are_none_is_an_error(tmp_path: Path) -> None:
+    path = with_broken_pictures(tmp_path / "a.mcap", {0, 1})
+
+    with pytest.raises(RecordingError, match="no picture of the camera that can be read"):
+        recording(["export", str(path), "--to", "mp4", "--out", str(tmp_path / "film.mp4")])
+
+
+def test_a_film_that_finds_no_room_is_an_error(session_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "film.mp4"
+
+    with (
+        file_size_limit(1_000),
+        pytest.raises(RecordingError, match=r"film\.mp4 has 0 of 36 frames; make room"),
+    ):
+        recording(["export", str(session_file), "--to", "mp4", "--out", str(out)])
+
+
+def test_a_film_below_a_file_is_a_usage_error(session_file: Path) -> None:
+    out = session_file / "below" / "film.mp4"
+
+    with pytest.raises(ConfigError, match=r"film\.mp4 cannot be written: Not a directory"):
+        recording(["export", str(session_file), "--to", "mp4", "--out", str(out)])

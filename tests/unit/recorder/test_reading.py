@@ -70,6 +70,18 @@ def test_what_does_not_decode_says_why(path: Path) -> None:
     assert "not msgpack" in garbage.problem
 
 
+def test_lists_in_lists_in_lists_do_not_decode(path: Path) -> None:
+    mark = raw_mark("a")
+    cut = mark.payload.index(b"\xa4data") + 5
+    deep = RawReceived(mark.key, mark.payload[:cut] + b"\x91" * 700 + b"\x90", 0)
+    write_recording(path, [deep])
+
+    (recorded,) = Recording(path).messages()
+
+    assert recorded.message is None
+    assert "not a MarkRequest" in recorded.problem
+
+
 def test_a_missing_file_is_an_error_with_its_path(path: Path) -> None:
     with pytest.raises(RecordingError, match=r"no recording at .*session\.mcap"):
         list(Recording(path).messages())

@@ -3,16 +3,24 @@
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from mcap.writer import Writer
 
 from support.recordings import MARK_KEY, raw_mark, raw_message, write_recording
 from support.sessions import conversation
+from w2c import topics
 from w2c.errors import ConfigError, RecordingError
 from w2c.messages import MarkRequest, RecorderStatus
+from w2c.through import Skipped
 from w2c_recorder.commands import describe_status, record, recording
 from w2c_recorder.mcap_file import McapFile
+from w2c_recorder.replay.commands import replay
+from w2c_recorder.through.commands import compare
+from w2c_recorder.through.options import ThroughOptions
+from w2c_recorder.through.session import RecordedSession
 
 
 @pytest.fixture
@@ -214,3 +222,79 @@ def test_of_a_half_written_session_what_is_there_is_read(
     printed = capsys.readouterr().out
     assert printed
     assert action[0] == "frame" or "not closed" in printed
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["info", "--json"],
+        ["timeline", "--html"],
+        ["export", "--to", "csv", "--channel", "event/recorder/mark", "--out"],
+    ],
+    ids=" ".join,
+)
+def test_a_recording_is_not_written_over_by_what_is_made_of_it(
+    file: Path, tmp_path: Path, words: list[str]
+) -> None:
+    before = file.read_bytes()
+    (tmp_path / "link").symlink_to(file)
+
+    with pytest.raises(ConfigError, match="is the recording itself"):
+        recording([words[0], str(file), *words[1:], str(tmp_path / "link")])
+
+    assert file.read_bytes() == before
+
+
+def test_a_replay_through_a_service_leaves_its_recording(file: Path) -> None:
+    with pytest.raises(ConfigError, match="is the recording itself"):
+        replay([str(file), "--through", "controller", "--json", str(file)])
+
+
+@pytest.fixture
+def foreign(tmp_path: Path) -> Path:
+    """A recording of another program, with messages of its own encoding."""
+    path = tmp_path / "foreign.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2", library="another")
+        channel = writer.register_channel(topic="/tf", message_encoding="cdr", schema_id=0)
+        for number in range(3):
+            writer.add_message(channel, log_time=number + 10**18, data=b"x", publish_time=0)
+        writer.finish()  # type: ignore[no-untyped-call]
+    return path
+
+
+def test_of_another_programs_recording_info_tells_what_is_in_it(
+    foreign: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert recording(["info", str(foreign)]) == 0
+
+    printed = capsys.readouterr().out
+    assert "UTC, 0.0 s" in printed
+    assert "/tf  3 in another encoding" in printed
+
+
+def test_another_programs_recording_is_called_so(
+    foreign: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording(["timeline", str(foreign)])
+
+    assert "nothing to tell: another program wrote it; it has /tf" in capsys.readouterr().out
+    with pytest.raises(RecordingError, match="no message: another program wrote it; it has /tf"):
+        recording(["why", "--at", "0", str(foreign)])
+
+
+@pytest.mark.parametrize("close", [True, False], ids=["whole", "cut off"])
+def test_a_replay_through_a_service_says_where_the_recording_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, close: bool
+) -> None:
+    path = tmp_path / "a.mcap"
+    write_recording(path, [raw_mark("a")], close=close)
+
+    def read_all(session: RecordedSession, _tolerance: float | None) -> Iterator[Skipped]:
+        yield from (Skipped("marks", one.seconds, "") for one in session.heard(topics.MARK))
+
+    monkeypatch.setattr("w2c_recorder.through.commands.through", lambda _service: read_all)
+    lines = compare(path, ThroughOptions(service="controller")).lines
+
+    assert ("not closed" in lines[-1]) is not close

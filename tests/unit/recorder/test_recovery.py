@@ -1,5 +1,6 @@
 """A recording that was cut anywhere is readable up to the cut, and can be given its end."""
 
+import errno
 from pathlib import Path
 
 import pytest
@@ -11,21 +12,34 @@ from support.recordings import raw_mark, write_recording
 from w2c.errors import RecordingError
 from w2c_recorder.config import Compression
 from w2c_recorder.mcap_file import McapFile
+from w2c_recorder.overview import overview_of
 from w2c_recorder.reading import Recording
-from w2c_recorder.recovery import is_closed, recover, recover_directory
+from w2c_recorder.records import Damage
+from w2c_recorder.recovery import MAGIC, is_closed, recover, recover_directory
 
 
 def unclosed(
-    path: Path, count: int = 20, per_chunk: int = 5, compression: Compression = "lz4"
+    path: Path,
+    count: int = 20,
+    per_chunk: int = 5,
+    compression: Compression = "lz4",
+    *,
+    close: bool = False,
 ) -> Path:
-    """Write what a killed recorder leaves: whole chunks, no end."""
+    """Write what a killed recorder leaves: whole chunks, no end; or the same with its end."""
     file = McapFile(path, {"robot": "test"}, compression)
     for sequence in range(count):
         file.write(raw_mark(f"mark {sequence}", sequence), sequence)
         if sequence % per_chunk == per_chunk - 1:
             file.flush()
-    file.abandon()
+    file.close() if close else file.abandon()
     return path
+
+
+@pytest.fixture(scope="module")
+def closed(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("closed") / "session.mcap"
+    return unclosed(path, compression="zstd", close=True).read_bytes()
 
 
 def sequences(path: Path) -> list[int]:
@@ -96,6 +110,153 @@ def test_a_damaged_chunk_loses_only_itself(tmp_path: Path) -> None:
     assert recording.damage.skipped_chunks == 1
 
 
+@pytest.mark.parametrize("compression", ["lz4", "zstd"])
+def test_a_chunk_that_cannot_be_unpacked_loses_only_itself(
+    tmp_path: Path, compression: Compression
+) -> None:
+    path = unclosed(tmp_path / "session.mcap", compression=compression)
+    content = bytearray(path.read_bytes())
+    last = content.rindex(compression.encode())  # of the last chunk: its bytes and their number
+    content[last + len(compression) + 8] ^= 0xFF
+    path.write_bytes(content)
+
+    found = sequences(path)
+
+    assert found == [*range(15)]
+    assert [one.problem for one in recover_directory(tmp_path)] == [""]
+    assert sequences(path) == found
+
+
+def chunk_starts(path: Path) -> list[int]:
+    with path.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    return [one.chunk_start_offset for one in summary.chunk_indexes]
+
+
+@pytest.mark.parametrize("torn", [9, 60], ids=["no record", "a record of noise"])
+@pytest.mark.parametrize("number", [0, 1, 3])
+def test_behind_the_torn_head_of_a_chunk_a_closed_file_is_read_on(
+    tmp_path: Path, number: int, torn: int
+) -> None:
+    """The index tells where the next one is, and what the channels are."""
+    path = unclosed(tmp_path / "session.mcap", close=True)
+    content = bytearray(path.read_bytes())
+    start = chunk_starts(path)[number]
+    if torn == 9:
+        content[start : start + 9] = b"\xff" * 9
+    else:
+        content[start + 60] ^= 0xFF
+    path.write_bytes(content)
+
+    recording = Recording(path)
+    found = [recorded.sequence for recorded in recording.messages()]
+
+    assert found == [one for one in range(20) if one // 5 != number]
+    assert recording.damage == Damage(complete=True, skipped_chunks=1)
+
+
+@settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(where=st.floats(0.0, 1.0, exclude_max=True), noise=st.binary(min_size=1, max_size=40))
+def test_of_a_closed_file_that_is_torn_anywhere_at_most_one_chunk_is_lost(
+    closed: bytes, tmp_path: Path, where: float, noise: bytes
+) -> None:
+    content = bytearray(closed)
+    start = len(MAGIC) + int(where * (len(content) - len(MAGIC)))
+    content[start : start + len(noise)] = noise[: len(content) - start]
+    path = tmp_path / "torn.mcap"
+    path.write_bytes(content)
+
+    found = sequences(path)
+
+    assert found == [one for one in range(20) if one in found]
+    assert len(found) >= 15
+    overview_of(Recording(path))
+    assert len(list(Recording(path).messages_between(0, 20))) <= 20
+
+
+def torn(closed: bytes, path: Path, at: int, noise: bytes) -> Path:
+    path.write_bytes(closed[:at] + noise + closed[at + len(noise) :])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("at", "noise"), [(10, b"\x04"), (12, b"\x01")], ids=["into the first chunk", "behind the end"]
+)
+def test_a_torn_length_of_the_first_record_loses_no_message(
+    closed: bytes, tmp_path: Path, at: int, noise: bytes
+) -> None:
+    """From the middle of a chunk, noise reads as records that may reach over the next ones."""
+    assert sequences(torn(closed, tmp_path / "torn.mcap", at, noise)) == [*range(20)]
+
+
+@pytest.mark.parametrize("inside", [1, 9 + 8 + 8 + 8 + 4 + 4 + 4], ids=["record", "data"])
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_torn_length_of_a_chunk_loses_no_other(
+    closed: bytes, tmp_path: Path, number: int, inside: int
+) -> None:
+    """It reaches to the end of the file then; what unpacks it needs only the first bytes."""
+    path = tmp_path / "torn.mcap"
+    path.write_bytes(closed)
+    torn(closed, path, chunk_starts(path)[number] + inside + 2, b"\x44")
+
+    assert sequences(path) == [*range(20)]
+
+
+@pytest.mark.parametrize("opcode", [b"\x05", b"\x07"], ids=["message", "index"])
+def test_a_chunk_that_became_another_record_loses_only_itself(
+    closed: bytes, tmp_path: Path, opcode: bytes
+) -> None:
+    path = tmp_path / "torn.mcap"
+    path.write_bytes(closed)
+    torn(closed, path, chunk_starts(path)[0], opcode)
+    recording = Recording(path)
+    found = [recorded.sequence for recorded in recording.messages()]
+
+    assert found == [*range(5, 20)]
+    assert recording.damage == Damage(complete=True, skipped_chunks=1)
+
+
+def test_what_stands_behind_a_record_of_an_unknown_kind_is_read_once(
+    closed: bytes, tmp_path: Path
+) -> None:
+    path = tmp_path / "torn.mcap"
+    path.write_bytes(closed)
+    (index,) = (closed.index(b"\x07\x56", one) for one in chunk_starts(path)[1:2])
+    torn(closed, path, index, b"\xdf")
+
+    assert sequences(path) == [*range(20)]
+
+
+def test_an_index_that_names_the_middle_of_a_chunk_loses_no_message(
+    closed: bytes, tmp_path: Path
+) -> None:
+    path = tmp_path / "session.mcap"
+    path.write_bytes(closed)
+    second = chunk_starts(path)[1]
+    content = bytearray(closed)
+    at = content.rindex(second.to_bytes(8, "little"))
+    content[at : at + 8] = (second + 30).to_bytes(8, "little")
+    path.write_bytes(content)
+
+    assert sequences(path) == [*range(20)]
+
+
+def test_an_index_that_leads_nowhere_leaves_the_other_chunks(tmp_path: Path) -> None:
+    path = unclosed(tmp_path / "session.mcap", close=True)
+    content = bytearray(path.read_bytes())
+    second = chunk_starts(path)[1].to_bytes(8, "little")
+    at = content.rindex(second)
+    content[at : at + 8] = (2**63 - 1).to_bytes(8, "little")
+    path.write_bytes(content)
+
+    found = [recorded.sequence for recorded in Recording(path).messages_between(0, 20)]
+
+    assert found == [*range(5), *range(10, 20)]
+
+
 def test_closed_files_are_left_alone(tmp_path: Path) -> None:
     path = tmp_path / "session.mcap"
     write_recording(path, [raw_mark("a")])
@@ -131,3 +292,21 @@ def test_unreadable_files_are_reported_and_kept(tmp_path: Path) -> None:
 def test_recovering_a_file_that_is_gone_says_so(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="no recording at"):
         recover(tmp_path / "gone.mcap")
+
+
+def test_on_a_disk_that_cannot_be_written_the_file_stays_and_the_reason_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_arguments: object, **_more: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    path = unclosed(tmp_path / "session.mcap")
+    with monkeypatch.context() as patched:
+        patched.setattr("w2c_recorder.recovery.Writer", refuse)
+        patched.setattr(Path, "unlink", refuse)  # which says so even of a file that is not there
+        (found,) = recover_directory(tmp_path)
+
+    assert found.problem == (
+        f"{path} could not be recovered: Read-only file system; it is as it was"
+    )
+    assert len(sequences(path)) == 20

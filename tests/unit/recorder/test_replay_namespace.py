@@ -115,3 +115,9 @@ def test_fields_of_a_newer_message_stay() -> None:
 @given(st.binary(max_size=60))
 def test_bytes_that_are_no_envelope_are_none(payload: bytes) -> None:
     assert Namespace("desk").message(MARK_KEY, payload) is None
+
+
+def test_lists_in_lists_without_an_end_are_none() -> None:
+    deep = b"\x81\xa4data" + b"\x91" * 2000 + b"\x90"
+
+    assert Namespace("desk").message(MARK_KEY, deep) is None

@@ -1,16 +1,15 @@
 """A file for Rerun has typed columns of what was recorded, and is there whole or not at all."""
 
-import resource
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 from mcap.reader import make_reader
 
+from support.disk import file_size_limit
 from support.robots import robot_session
 from support.sessions import Session
 from w2c.errors import ConfigError, MissingExtraError, RecordingError
@@ -21,17 +20,6 @@ from w2c_recorder.whole_file import whole_file
 
 Columns = dict[str, dict[str, list[Any]]]
 """Entity -> component -> rows"""
-
-
-@contextmanager
-def file_size_limit(limit: int) -> Iterator[None]:
-    """Make writing beyond a size fail, as on a full disk."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def export(source: Path, out: Path) -> int:

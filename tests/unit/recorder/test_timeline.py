@@ -220,3 +220,11 @@ def test_time_counts_from_the_first_message_of_any_kind(path: Path) -> None:
     )
 
     assert lines[0].startswith("1 operator")
+
+
+def test_what_arrived_before_the_first_message_was_written_is_at_its_beginning(path: Path) -> None:
+    came = Liveliness(service="llm", instance="0", alive=True)
+    first = raw_message(came, key_of("test", came), received_ns=SECOND)
+    write_recording(path, [first, raw_mark("in the queue", 0, SECOND - 5_000_000)])
+
+    assert [entry.seconds for entry in timeline_of(Recording(path))] == [0.0, 0.0]

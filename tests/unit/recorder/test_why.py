@@ -4,11 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from support.recordings import raw_message, write_recording
 from support.sessions import Session, conversation, move, state, status
 from w2c import messages as m
 from w2c import topics
 from w2c.errors import RecordingError
 from w2c_recorder.history import history_of
+from w2c_recorder.liveliness import Liveliness, key_of
 from w2c_recorder.reading import Recording
 from w2c_recorder.why import Step, explain, motion_at
 
@@ -84,3 +86,20 @@ def test_a_time_before_the_first_command_or_after_the_end_is_an_error(session_fi
         chain(session_file, 1.0)
     with pytest.raises(RecordingError, match=r"9\.000 s is outside of the recording"):
         chain(session_file, 9.0)
+
+
+def test_a_process_that_came_meanwhile_hides_no_command(tmp_path: Path) -> None:
+    """Who comes is written at once; what had arrived before may wait in the queue."""
+    session = Session()
+    session.add(0.0, topics.CONTROLLER_STATUS, status("hold"))
+    for tick in (1, 2):
+        command = m.JointCommand(tick=tick, position=state(1).position)
+        session.add(0.1 * tick, topics.JOINT_COMMAND, command)
+    session.add(0.4, topics.MARK, m.MarkRequest(text="the end"))
+    came = Liveliness(service="llm", instance="0", alive=True)
+    session.raw.insert(
+        2, raw_message(came, key_of("test", came), received_ns=session.raw[-1].received_ns)
+    )
+    write_recording(tmp_path / "a.mcap", session.raw)
+
+    assert chain(tmp_path / "a.mcap", 0.25)[0].text == "joint command of tick 2"

@@ -217,6 +217,26 @@ def test_a_disk_that_fills_up_ends_the_recording_loudly_and_nothing_else(
     assert texts(tmp_path / "b.mcap") == sent
 
 
+class LateFile(McapFile):
+    """A recording on a disk that says at the end, too, that it is full."""
+
+    def write(self, received: RawReceived, log_time_ns: int) -> None:
+        self._output.close()
+        raise RecordingError("No space left on device")
+
+
+def test_a_file_that_cannot_even_be_released_is_stopped_and_told(
+    inbox: Inbox, tmp_path: Path
+) -> None:
+    writer = WriterThread(inbox, lambda path: LateFile(path, {}))
+    writer.start(tmp_path / "a.mcap")
+    fill(inbox, 1)
+    wait_until(lambda: writer.progress.error != "")
+    writer.shut_down()
+
+    assert (writer.progress.recording, writer.progress.error) == (False, "No space left on device")
+
+
 class BrokenFile(McapFile):
     """A recording with a defect in the program."""
 
