@@ -82,6 +82,7 @@ def read_answer(generation: Generation, schema: JsonSchema) -> tuple[Any, str | 
         return None, f"{len(generation.text)} characters, limit {_MAX_ANSWER_CHARACTERS}"
     try:
         value = json.loads(generation.text, parse_constant=_refuse_constant)
+        json.dumps(value, ensure_ascii=False).encode()  # half a character cannot be sent
     except (ValueError, RecursionError) as error:
         cut = "" if generation.complete else "cut off at the limit of tokens, "
         return None, f"{cut}not JSON ({error})"
