@@ -34,7 +34,7 @@ from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.prompts.base import PromptSet
 from w2c_dialogue.selector import select
 from w2c_dialogue.steps import Services, Steps
-from w2c_dialogue.stop_words import is_stop
+from w2c_dialogue.stop_words import begins_with_stop, is_stop
 from w2c_dialogue.targeting import Targeting
 from w2c_dialogue.utterance import Utterance, parse
 from w2c_dialogue.yes_but import asks_for_more
@@ -86,7 +86,10 @@ class Dialogue:
     def say(self, request: SayRequest) -> Turn:
         """Answer an utterance."""
         cancels = is_cancel(request.text)
-        if is_stop(request.text) or (cancels and self._moves_only()):
+        moves = self._conversation.goal is not None
+        if is_stop(request.text) or (moves and begins_with_stop(request.text)):
+            return self._stop(request.text)
+        if cancels and self._moves_only():
             return self._stop(request.text)
         if cancels:
             self._stops += 1  # A confirmation that is being made is not to move any more.
@@ -166,6 +169,11 @@ class Dialogue:
                 "Did you mean yes? Say 'yes, go there' or press Confirm; or tell me what to "
                 "change.",
                 ok=False,
+            )
+        if says_yes and self._asking.pending is not None and self._conversation.shown is not None:
+            raise RefusedError(
+                "I asked you something, so I do not take that for a yes to the target shown. Press "
+                "Confirm to go there all the same."
             )
         if says_yes:
             return self._confirm(request.target_id, services)

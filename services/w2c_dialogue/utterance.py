@@ -18,6 +18,7 @@ LETTERS = "abc"
 """Names of objects in order of mention; no instruction needs more than three."""
 
 _OUTER = '.!?;:"()[]{}<>`*_~|\\/'
+_POSSESSIVE = ("'s", "'S", "\u2019s", "\u2019S")
 _QUOTES = str.maketrans({"\u2019": "'", "\u2018": "'", "\u201c": '"', "\u201d": '"', "`": "'"})
 
 
@@ -50,9 +51,11 @@ class Utterance:
     """An utterance cut into words. Build it with `parse`."""
 
     typed: tuple[str, ...]
-    """The words as typed."""
+    """The words as typed, quotes straightened."""
     folded: tuple[str, ...]
     """The same words in lower case, without outer punctuation, commas kept."""
+    raw: tuple[str, ...]
+    """The same words with the very quotes and accents of the keyboard."""
 
     @property
     def text(self) -> str:
@@ -80,11 +83,11 @@ class Utterance:
         Raises:
             ModelError: the utterance has no such words.
         """
-        first, last = span
-        if not 1 <= first <= last <= len(self.typed):
-            raise ModelError(f"words {span} are not in an utterance of {len(self.typed)} words")
-        words = " ".join(self.typed[first - 1 : last]).strip(_OUTER + ", '")
-        return words.removesuffix("'s").removesuffix("'S")
+        return _cut(self.typed, span)
+
+    def verbatim(self, span: Span) -> str:
+        """Return the same, exactly as it was typed. Raises as `phrase` does."""
+        return _cut(self.raw, span)
 
     def with_letters(self, spans: Sequence[Span | None]) -> str:
         """Return the folded text with each phrase replaced by its capital letter: `left of the A`.
@@ -120,22 +123,33 @@ def parse(text: str) -> Utterance:
         raise RefusedError(
             f"That is {len(text)} characters long; please use {MAX_CHARACTERS} at most."
         )
-    kept = "".join(_plain(c) for c in unicodedata.normalize("NFC", text).translate(_QUOTES))
-    pairs = [(word, fold(word)) for word in kept.split()]
-    pairs = [(word, folded) for word, folded in pairs if folded.strip(",")]
-    if not pairs:
+    raw = "".join(map(_plain, text)).split()
+    typed = [unicodedata.normalize("NFC", word).translate(_QUOTES) for word in raw]
+    words = [(word, fold(word), as_is) for word, as_is in zip(typed, raw, strict=True)]
+    words = [entry for entry in words if entry[1].strip(",")]
+    if not words:
         raise RefusedError(
             "I heard no words. Tell me where to put a hand, for example: lean on the table."
         )
-    if len(pairs) > MAX_WORDS:
-        raise RefusedError(f"That is {len(pairs)} words long; please use {MAX_WORDS} at most.")
-    return Utterance(tuple(p[0] for p in pairs), tuple(p[1] for p in pairs))
+    if len(words) > MAX_WORDS:
+        raise RefusedError(f"That is {len(words)} words long; please use {MAX_WORDS} at most.")
+    return Utterance(*(tuple(entry[form] for entry in words) for form in range(3)))
 
 
 def fold(word: str) -> str:
     """Return a word in lower case without outer punctuation; a comma at its end stays."""
     inner = word.strip(_OUTER + "'" + ",").lower()
     return inner + "," if inner and word.rstrip(_OUTER).endswith(",") else inner
+
+
+def _cut(words: Sequence[str], span: Span) -> str:
+    """Return the words of a span without outer punctuation and possessive s."""
+    first, last = span
+    if not 1 <= first <= last <= len(words):
+        raise ModelError(f"words {span} are not in an utterance of {len(words)} words")
+    phrase = " ".join(words[first - 1 : last]).strip(_OUTER + ", '\u2018\u2019\u201c\u201d")
+    ending = next((ending for ending in _POSSESSIVE if phrase.endswith(ending)), "")
+    return phrase.removesuffix(ending)
 
 
 def _plain(character: str) -> str:

@@ -1,4 +1,4 @@
-"""A yes that asks for something besides: "yes, but a bit lower" sets nothing in motion.
+"""A yes that asks for something besides, or is none: "yes, but a bit lower" moves nothing.
 
 A model that hears the yes and not the rest would move the robot to a place that was not accepted.
 These words are looked for without any model; who only meant yes is asked, and says it again.
@@ -11,15 +11,17 @@ CONTRASTS = frozenset(
 )
 CHANGES = frozenset(
     {
-        "closer", "farther", "further", "higher", "lower", "nearer",
+        "bit", "closer", "farther", "further", "higher", "left", "lower", "nearer", "slightly",
         "backwards", "downwards", "forwards", "leftwards", "rightwards", "upwards",
         "centimeter", "centimeters", "centimetre", "centimetres", "cm", "inch", "inches",
         "millimeter", "millimeters", "millimetre", "millimetres", "mm", "pixel", "pixels", "px",
     }
 )  # fmt: skip
-"""Of words for a change those that mean nothing else: "all right" is a yes."""
+"""Of words for a change those that mean little else: "all right" is a yes."""
+DENIALS = frozenset({"don't", "dont", "nah", "no", "nope", "not"})
+"""Who says one may still agree; a robot that moves against a no is worse than a question"""
 
 
 def asks_for_more(utterance: Utterance) -> bool:
-    """Say whether words that were taken for a yes say something besides."""
-    return any(word.strip(",") in CONTRASTS | CHANGES for word in utterance.folded)
+    """Say whether words that were taken for a yes say something besides, or a no."""
+    return any(word.strip(",") in CONTRASTS | CHANGES | DENIALS for word in utterance.folded)

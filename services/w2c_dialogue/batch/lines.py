@@ -5,6 +5,7 @@ that a file of questions may hold the right answers, too.
 """
 
 import json
+import math
 from typing import Annotated, Any
 
 import msgspec
@@ -40,6 +41,8 @@ class Thing(msgspec.Struct, frozen=True):
 
 
 Things = Annotated[list[Thing], msgspec.Meta(max_length=3)]
+Seen = Annotated[list[Thing], msgspec.Meta(max_length=50)]
+"""Things of a picture; a text need not speak of all of them"""
 
 
 class Line(msgspec.Struct, frozen=True, kw_only=True, tag_field="task"):
@@ -70,7 +73,7 @@ class Relative(Line, frozen=True, kw_only=True, tag="relative"):
     """Where is it, relative to these things?"""
 
     text: str
-    objects: Annotated[Things, msgspec.Meta(min_length=1)]
+    objects: Annotated[Seen, msgspec.Meta(min_length=1)]
     px_per_cm: Size = PIXELS_PER_CM
 
 
@@ -81,7 +84,7 @@ class Correct(Line, frozen=True, kw_only=True, tag="correct"):
     target: Point
     previous_moves: Annotated[list[Point], msgspec.Meta(max_length=1000)] = []
     """(du, dv) of earlier corrections, oldest first; the target is after them"""
-    objects: Things = []
+    objects: Seen = []
     px_per_cm: Size = PIXELS_PER_CM
 
 
@@ -93,18 +96,32 @@ class Dialogue(Line, frozen=True, kw_only=True, tag="dialogue"):
 
 Question = Select | Analyze | Effector | Relative | Correct | Dialogue
 Answer = dict[str, Any]
-_DECODER: msgspec.json.Decoder[Question] = msgspec.json.Decoder(Question)
 
 
 def decode(line: bytes) -> Question:
-    """Return the question of a line. Raises msgspec.MsgspecError with what is wrong with it."""
-    return _DECODER.decode(line)
+    """Return the question of a line; a field that is null is as good as left out.
+
+    Raises:
+        ValueError: with what is wrong with it.
+    """
+    try:
+        value = msgspec.json.decode(line)
+    except RecursionError as error:
+        raise ValueError("JSON is malformed: nested too deeply") from error
+    if isinstance(value, dict):
+        value = {name: field for name, field in value.items() if field is not None}
+    return msgspec.convert(value, Question)  # type: ignore[no-any-return]
 
 
-def id_of(line: bytes) -> Any:
-    """Return the id of a line that is no question, None where it has none."""
+def field_of(line: bytes, name: str) -> str | float | None:
+    """Return a field of a line that may be no question; None where it has none to be written."""
     try:
         value = json.loads(line)  # more lenient than msgspec: takes 1e999
-    except ValueError:
+        found = value.get(name) if isinstance(value, dict) else None
+        if isinstance(found, str):
+            found.encode()  # refuses half a character
+    except (ValueError, RecursionError):
         return None
-    return value.get("id") if isinstance(value, dict) else None
+    if isinstance(found, float) and not math.isfinite(found):
+        return None
+    return found if isinstance(found, str | int | float) else None

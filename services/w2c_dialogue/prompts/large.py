@@ -157,7 +157,8 @@ def _user(content: str) -> ChatMessage:
 
 
 def _scale(pixels_per_cm: float) -> str:
-    return f"1 cm is {pixels_per_cm:.0f} pixels."
+    digits = 0 if pixels_per_cm >= 20.0 else 1 if pixels_per_cm >= 2.0 else 2
+    return f"1 cm is {round(pixels_per_cm, digits):g} pixels."
 
 
 def _describe(item: SceneObject) -> str:

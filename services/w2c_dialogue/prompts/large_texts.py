@@ -166,8 +166,9 @@ RELATIVE_EXAMPLES: Examples = (
 CORRECT = (
     f"{PICTURE} A target point is shown, and the operator corrects it. Work out the new point. "
     "Without a size a step is 40 "
-    "pixels, 'a bit' 20, 'a lot' 100. Earlier corrections are listed oldest first; 'twice as "
-    "much' or 'again' "
+    "pixels, 'a tiny bit' 10, 'a bit' 20, 'a lot' 100; 'closer to' a thing is half of the way to "
+    "its centre, 'a bit closer' a quarter, 'much closer' three quarters. "
+    "Earlier corrections are listed oldest first; 'twice as much' or 'again' "
     "repeats the last one from the present target, 'back' or 'undo' subtracts it. Someone who "
     "only rejects the "
     "point, without saying where to go, gets the same point. Think first, in one or two short "

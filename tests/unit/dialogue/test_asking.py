@@ -218,6 +218,20 @@ def test_a_clear_selector_asks_nothing() -> None:
     assert world.say("left").module == "correction"
 
 
+def test_a_yes_to_a_question_does_not_go_to_the_target_of_before() -> None:
+    world = World(select=["prediction", "prediction", "confirmation"], **first_words())
+    world.say(FIRST)
+    seen = world.shown
+    world.grounding.things["book"] = TWO_CUPS
+    assert world.say(FIRST).module == "question"
+    turn = world.say("yes please", target_id=seen)
+    assert not turn.ok
+    assert "I asked you something" in turn.reply
+    assert "Still open: Which 'book'" in turn.reply
+    assert not world.controller.goals
+    assert world.dialogue.confirm(ConfirmRequest(target_id=seen)).ok
+
+
 def test_without_the_unknown_word_is_suggested() -> None:
     world = World(analyze=[{"position": "absolute", "objects": ["4-5"]}])
     turn = world.say("lean on the big violin")

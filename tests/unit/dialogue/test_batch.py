@@ -1,15 +1,26 @@
 """`dialogue batch`: lines in, lines out, with the modules of the dialogue."""
 
+from codecs import BOM_UTF8
 from collections.abc import Mapping
+from contextlib import nullcontext
+from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
 
-from w2c.errors import ConnectionFailedError, DeadlineError
+from w2c.errors import (
+    ConfigError,
+    ConnectionFailedError,
+    DeadlineError,
+    ProcessError,
+    UnavailableError,
+)
+from w2c_dialogue.batch import commands
 from w2c_dialogue.batch.answering import Answering, find_words, name_things
 from w2c_dialogue.batch.commands import answer_line
 from w2c_dialogue.batch.lines import Thing
+from w2c_dialogue.batch.patience import Patience
 from w2c_dialogue.interfaces import Choice
 from w2c_dialogue.prompts.base import Question
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
@@ -71,6 +82,13 @@ def test_each_task_has_its_fields() -> None:
     }
 
 
+def test_objects_are_returned_as_they_were_typed() -> None:
+    model = Model(analyze={"position": "absolute", "objects": ["2-3"]})
+    line = {"id": "q", "task": "analyze", "text": "on Mum\u2019s mug"}
+
+    assert answer(model, line)["objects"] == ["Mum\u2019s mug"]
+
+
 def test_a_relative_place_is_computed_from_the_given_boxes() -> None:
     model = Model(relative={"x": "(a.right+b.left)/2", "y": "a.v-2*cm"})
     line = {"id": "r", "task": "relative", "text": "between the cup and the jar"}
@@ -78,7 +96,7 @@ def test_a_relative_place_is_computed_from_the_given_boxes() -> None:
     found = answer(model, {**line, "objects": [JAR, CUP], "px_per_cm": 5})
 
     assert found == {"id": "r", "point": [747.5, 290.0], "clipped": False}
-    assert model.asked[0].messages[1].content == "A left of B\nbetween the A and B"
+    assert model.asked[0].messages[1].content == "A left of B\nbetween the A and the B"
 
 
 def test_the_analyzer_finds_things_whose_words_are_not_in_the_text() -> None:
@@ -89,6 +107,53 @@ def test_the_analyzer_finds_things_whose_words_are_not_in_the_text() -> None:
 
     assert answer(model, line)["point"] == [600.0, 270.0]
     assert [question.task for question in model.asked] == ["analyze", "relative"]
+
+
+def test_things_that_are_not_spoken_of_are_passed_over() -> None:
+    model = Model(
+        analyze={"position": "relative", "objects": ["4-4"]}, relative={"x": "a.u", "y": "a.v"}
+    )
+    line = {"id": "r", "task": "relative", "text": "left of the cup", "objects": [JAR, CUP]}
+
+    assert answer(model, line)["point"] == [600.0, 300.0]
+
+
+def test_the_table_that_things_stand_on_need_not_be_among_the_objects() -> None:
+    model = Model(
+        analyze={"position": "relative", "objects": ["8-8", "4-5"]},
+        relative={"x": "a.u", "y": "a.v"},
+    )
+    text = "left of the cups there on the table"
+    line = {"id": "r", "task": "relative", "text": text, "objects": [{**CUP, "phrase": "big cups"}]}
+
+    found = answer(model, line)
+
+    assert found["point"] == [600.0, 300.0]
+    assert model.asked[1].messages[1].content.endswith("left of the A on the table")
+
+
+def test_what_it_means_is_what_the_line_gives() -> None:
+    model = Model(
+        analyze={"position": "relative", "objects": []}, relative={"x": "a.left", "y": "a.v"}
+    )
+    line = {"id": "r", "task": "relative", "text": "left of it", "objects": [CUP]}
+
+    assert answer(model, line)["point"] == [580.0, 300.0]
+
+
+def test_things_that_nobody_can_tell_apart_are_an_error_of_the_line() -> None:
+    model = Model(analyze={"position": "relative", "objects": ["4-4", "7-7"]})
+    line = {"id": "r", "task": "relative", "text": "left of the mug near the vase"}
+
+    assert "'mug', 'vase' were heard" in answer(model, {**line, "objects": [CUP]})["error"]
+
+
+def test_fields_that_are_null_are_as_good_as_left_out() -> None:
+    model = Model(correct={"x": "target.u-cm", "y": "target.v"})
+    line = {"id": "k", "task": "correct", "text": "a cm left", "target": [500, 300]}
+    nothing = {"previous_moves": None, "objects": None, "px_per_cm": None}
+
+    assert answer(model, {**line, **nothing})["point"] == [490.0, 300.0]
 
 
 def test_a_correction_knows_the_moves_before_it() -> None:
@@ -133,6 +198,12 @@ def test_without_a_target_the_first_turn_is_an_instruction() -> None:
             "objects",
             11,
         ),
+        (b"[" * 100_000, "nested too deeply", None),
+        (b'{"id": "\\ud800", "task": "select", "text": "left"}', "surrogate", None),
+        (b'{"id": {"a": 1}, "task": "select", "text": "left"}', "int | str", None),
+        (b'{"id": 1e999, "task": "select", "text": "left"}', "range", None),
+        (b'{"id": 12, "task": "correct", "text": "left", "target": null}', "target", 12),
+        (b'{"id": 13, "task": "dialogue", "turns": ["on the cup", "?"]}', "turn 2: I heard", 13),
     ],
 )
 def test_a_bad_line_is_answered_with_the_reason(
@@ -142,6 +213,7 @@ def test_a_bad_line_is_answered_with_the_reason(
 
     assert found["id"] == number
     assert reason in found["error"]
+    assert msgspec.json.decode(msgspec.json.encode(found)) == found, "it can be written"
 
 
 def test_a_slow_model_fails_a_line_and_a_lost_one_the_batch() -> None:
@@ -152,6 +224,34 @@ def test_a_slow_model_fails_a_line_and_a_lost_one_the_batch() -> None:
         answer(Model(effector=ConnectionFailedError("gone")), line)
 
 
+def test_a_model_that_is_started_anew_is_waited_for_once() -> None:
+    gone, right = UnavailableError("nobody"), {"effector": "left_hand", "task": "reach"}
+    line = b'{"id": "e", "task": "effector", "text": "grab it"}'
+    model = Model(effector=gone)
+    waited: list[float] = []
+
+    def pause(seconds: float) -> None:
+        waited.append(seconds)
+        if len(waited) == 3:
+            model.answers["effector"] = right
+
+    patience = Patience(pause=pause)
+    answering = Answering(model, EmbeddedPrompts())
+    assert answer_line(answering, line, patience)["end_effector"] == "left_hand"
+    assert waited == [1.0, 2.0, 4.0]
+
+    model.answers["effector"] = gone
+    waited[:] = [0.0] * 10
+    assert "nobody" in answer_line(answering, line, patience)["error"]
+    assert "nobody" in answer_line(answering, line, patience)["error"]
+    assert len(waited) == 14, "the second line did not wait"
+    model.answers["effector"] = right
+    assert "error" not in answer_line(answering, line, patience)
+    model.answers["effector"] = gone
+    answer_line(answering, line, patience)
+    assert len(waited) == 18, "it answered meanwhile: it is waited for again"
+
+
 def test_words_of_a_thing_are_found_once_each() -> None:
     utterance = parse("from the mug to the other mug's handle")
 
@@ -160,3 +260,92 @@ def test_words_of_a_thing_are_found_once_each() -> None:
     assert find_words(utterance, "other mug", []) == Span(6, 7)
     assert find_words(utterance, "jar", []) is None
     assert name_things(utterance, [Thing(phrase="jar", cx=0, cy=0, w=1, h=1)]) is None
+
+
+class Silent:
+    """A bus that nobody asks: the model is scripted."""
+
+
+def run(
+    monkeypatch: pytest.MonkeyPatch, model: Model, directory: Path, *flags: str, status: int = 0
+) -> list[dict[str, Any]]:
+    """Run the command, and return the answers that it leaves."""
+    monkeypatch.setattr(commands, "_language_model", lambda _: nullcontext(Silent()))
+    monkeypatch.setattr(commands, "RemoteServices", lambda *_, **__: model)
+    files = ["--in", str(directory / "in.jsonl"), "--out", str(directory / "out.jsonl")]
+    assert commands.batch([*files, *flags]) == status
+    return [msgspec.json.decode(line) for line in (directory / "out.jsonl").open("rb")]
+
+
+def test_every_line_has_its_answer_in_its_place(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = [b'{"id": 1, "task": "select", "text": "left"}', b"", b"{broken", b"[" * 50_000]
+    lines.append(b'{"id": "z", "task": "select", "text": "yes"}')
+    (tmp_path / "in.jsonl").write_bytes(BOM_UTF8 + b"\r\n".join(lines))
+    model = Model(select=["correction", "confirmation"])
+
+    found = run(monkeypatch, model, tmp_path, "--json", str(tmp_path / "results.json"))
+
+    assert [answer["id"] for answer in found] == [1, None, None, "z"]
+    assert [answer.get("module") for answer in found] == ["correction", None, None, "confirmation"]
+    assert "2 of 4 lines could not be answered" in capsys.readouterr().err
+    results = msgspec.json.decode((tmp_path / "results.json").read_bytes())
+    rows = {(row["case"], row["metric"]): row for row in results["rows"]}
+    assert results["benchmark"] == "dialogue.batch"
+    assert rows["select", "answered"]["value"] == rows["select", "answered"]["n"] == 2
+    assert rows["malformed", "answered"]["value"] == 0
+    assert rows["select", "seconds"]["spread"][0] <= rows["select", "seconds"]["value"]
+
+
+def test_a_batch_that_was_cut_short_goes_on_where_it_was(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    lines = [{"id": n, "task": "select", "text": "left"} for n in range(4)]
+    (tmp_path / "in.jsonl").write_bytes(b"\n".join(map(msgspec.json.encode, lines)))
+    (tmp_path / "out.jsonl").write_bytes(b'{"id":0,"module":"kept"}\n{"id":1,"error":"k"}\n{"id":')
+
+    found = run(monkeypatch, Model(select="correction"), tmp_path, "--resume")
+
+    assert [answer["id"] for answer in found] == [0, 1, 2, 3]
+    assert found[0]["module"] == "kept"
+    assert found[3]["module"] == "correction"
+    assert run(monkeypatch, Model(), tmp_path, "--resume") == found, "nothing is left to ask"
+
+
+def test_a_batch_does_not_go_on_behind_answers_to_other_lines(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "in.jsonl").write_bytes(b'{"id": 1, "task": "select", "text": "left"}')
+    (tmp_path / "out.jsonl").write_bytes(b'{"id":2,"module":"x"}\n')
+
+    with pytest.raises(ConfigError, match=r"line 1 of .* answers another file"):
+        run(monkeypatch, Model(), tmp_path, "--resume")
+    assert (tmp_path / "out.jsonl").read_bytes() == b'{"id":2,"module":"x"}\n'
+
+
+@pytest.mark.parametrize(
+    ("flags", "reason"),
+    [
+        (["--model", "nowhere.gguf"], "no file nowhere.gguf"),
+        (["--model", "nowhere.gguf", "--attach"], "leave it out with --attach"),
+    ],
+)
+def test_a_model_that_is_not_there_is_told_before_anything_starts(
+    tmp_path: Path, flags: list[str], reason: str
+) -> None:
+    with pytest.raises(ConfigError, match=reason):
+        commands.batch(["--in", "in.jsonl", "--out", str(tmp_path / "out.jsonl"), *flags])
+    assert not (tmp_path / "out.jsonl").exists()
+
+
+def test_logs_stay_where_a_model_did_not_start(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with commands._run_directory() as directory:
+        (directory / "launcher.log").touch()
+    assert not directory.exists()
+    with pytest.raises(ProcessError), commands._run_directory() as directory:
+        raise ProcessError("it did not start")
+    assert directory.exists()

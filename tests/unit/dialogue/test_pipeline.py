@@ -106,7 +106,16 @@ def test_an_unsure_yes_is_asked_about() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["yeah, good, but bring it down", "Yes if you stay off the rim", "fine, 2 cm lower"]
+    "text",
+    [
+        "yeah, good, but bring it down",
+        "Yes if you stay off the rim",
+        "fine, 2 cm lower",
+        "yes a bit to the right",
+        "yes, left",
+        "No!",
+        "don't go there",
+    ],
 )
 def test_a_yes_that_asks_for_more_is_asked_about_however_sure_the_model_is(text: str) -> None:
     world = World(select=["prediction", ("confirmation", 0.99)], **first_words())
@@ -301,7 +310,19 @@ def test_stop_works_with_every_model_dead_and_tells_when_it_did_not() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["stop", "STOP!", "please stop", "stop now", "halt", "Freeze.", "robot stop"]
+    "text",
+    [
+        "stop",
+        "STOP!",
+        "please stop",
+        "stop now",
+        "halt",
+        "Freeze.",
+        "robot stop",
+        "stop stop stop stop STOP",
+        "no no no, stop it right now",
+        "oh please just stop everything at once",
+    ],
 )
 def test_stop_words(text: str) -> None:
     assert is_stop(text)

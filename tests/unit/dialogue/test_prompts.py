@@ -148,3 +148,15 @@ def test_large_questions_hold_boxes_history_and_target_as_in_the_paper() -> None
     assert content.endswith("twice as much")
     example = LargePrompts().analyze(parse("x")).messages[2]
     assert "chain_of_thought" in json.loads(example.content)
+
+
+@pytest.mark.parametrize(
+    ("pixels_per_cm", "told"),
+    [(10.0, "10"), (2.5, "2.5"), (0.3, "0.3"), (8.74, "8.7"), (31.4, "31")],
+)
+def test_a_large_model_is_told_the_scale_as_exactly_as_it_matters(
+    pixels_per_cm: float, told: str
+) -> None:
+    """2 instead of 2.5 pixels would make 10 cm 20 % too short."""
+    question = LargePrompts().relative(parse("5 cm left of it"), [], [], pixels_per_cm)
+    assert question.messages[-1].content.startswith(f"1 cm is {told} pixels.")

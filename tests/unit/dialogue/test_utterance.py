@@ -25,6 +25,14 @@ def test_a_possessive_is_no_part_of_the_phrase() -> None:
     assert parse("the book's edge").phrase(Span(2, 2)) == "book"
 
 
+def test_words_are_returned_with_the_quotes_and_accents_of_the_keyboard() -> None:
+    typed = "left of mum\u2019s \u201ccafe\u0301\u201d mug\u2019s handle"
+    utterance = parse(typed)
+    assert utterance.phrase(Span(3, 5)) == 'mum\'s "caf\u00e9" mug'
+    assert utterance.verbatim(Span(3, 5)) == "mum\u2019s \u201ccafe\u0301\u201d mug"
+    assert utterance.verbatim(Span(4, 4)) == "cafe\u0301"
+
+
 @pytest.mark.parametrize("span", [(0, 1), (2, 1), (1, 4), (9, 9)])
 def test_spans_outside_the_utterance_are_refused(span: tuple[int, int]) -> None:
     with pytest.raises(ModelError, match="not in an utterance of 3 words"):
@@ -56,3 +64,4 @@ def test_any_text_is_words_or_a_refusal(text: str) -> None:
     assert len(utterance.numbered().split()) == len(utterance.typed)
     for first in range(1, len(utterance.typed) + 1):
         utterance.phrase(Span(first, len(utterance.typed)))
+        assert utterance.verbatim(Span(first, first)) in text

@@ -216,6 +216,19 @@ def test_stop_holds_whatever_is_shown() -> None:
     assert len(world.controller.goals) == 1
 
 
+@pytest.mark.parametrize("text", ["Stop, you are going to hit the lamp", "no halt that is too far"])
+def test_who_begins_with_stop_holds_a_robot_that_moves(text: str) -> None:
+    world = MovingWorld()
+    asked = len(world.model.questions)
+    assert world.say(text).ok
+    assert len(world.controller.stops) == 1
+    assert len(world.model.questions) == asked, "no model is asked"
+
+    still = World(**first_words())
+    still.say(text)
+    assert not still.controller.stops
+
+
 def test_a_correction_of_a_target_of_before_a_restart_is_refused() -> None:
     world = MovingWorld()
     world.frames.current = lambda frame: False  # type: ignore[method-assign]

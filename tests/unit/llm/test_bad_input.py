@@ -137,6 +137,13 @@ def test_a_number_that_is_none_is_asked_for_again_and_then_given_up(number: str)
         complete(ScriptedBackend([wrong, wrong]), asked("how many", schema=NUMBER), minute())
 
 
+@pytest.mark.parametrize("answer", ['{"x": 1, "n": "\\ud800"}', '{"\\udfff": 1, "x": 1, "n": 2}'])
+def test_half_a_character_is_asked_for_again_and_then_given_up(answer: str) -> None:
+    with pytest.raises(ModelError, match="twice") as caught:
+        complete(ScriptedBackend([answer, answer]), asked("how many", schema=NUMBER), minute())
+    str(caught.value).encode()
+
+
 @pytest.mark.parametrize(
     "prose", ["I am only a language model.", "Sure! Which one do you mean?", "", "{", "<html>"]
 )
