@@ -110,6 +110,7 @@ def describe(evidence: PhraseEvidence) -> str:
 def _ask_in_process(config: GroundConfig) -> tuple[bytes, GroundingReply]:
     """Load the model here and answer for the file of the flags."""
     from w2c_grounding.answer import Grounder
+    from w2c_grounding.loaded import first_answer
     from w2c_grounding.registry import load
 
     try:
@@ -119,8 +120,8 @@ def _ask_in_process(config: GroundConfig) -> tuple[bytes, GroundingReply]:
             f"picture {config.image} cannot be read: {error}; check --image"
         ) from error
     request = _request(picture, config)
-    grounder = Grounder(*load(config.model_config()), config.point_rule)
-    return picture, grounder.ground(request)
+    family, card = load(config.model_config())
+    return picture, first_answer(card.name, Grounder(family, card, config.point_rule), request)
 
 
 def _ask_running_system(config: GroundConfig) -> tuple[bytes, GroundingReply]:

@@ -19,7 +19,7 @@ class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """Kind of model; empty = what the checkpoint says of itself. `w2c ground models` lists them."""
     model: str = ""
     """A name of `w2c ground models`, a checkpoint directory, or an id on the Hugging Face hub;
-    empty = the embedded model."""
+    empty or 'embedded' = the embedded model."""
     revision: str = ""
     """Commit or tag of a hub id; empty = the newest that is present."""
     allow_download: bool = False
@@ -49,5 +49,6 @@ class Config(ServiceConfig, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     def model_files(self) -> Path | None:
         """Return the model's directory; None where it is not one of this machine by its path."""
-        path = Path(self.model).expanduser() if self.model else EMBEDDED
+        embedded = self.model in ("", "embedded")
+        path = EMBEDDED if embedded else Path(self.model).expanduser()
         return path if path.is_dir() else None

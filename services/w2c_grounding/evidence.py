@@ -3,6 +3,7 @@
 Pure functions. Pixels are (u right, v down), the centre of pixel (0, 0) is at (0.5, 0.5).
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
@@ -23,6 +24,9 @@ REGION_FRACTION = 0.5
 """The region of a phrase is where the heat is at least this share of its peak. Half: the contour
 that is usual for the extent of a peak, and it moves little when a model is more or less sure of
 all its pixels."""
+
+
+_OVERFLOW = "half precision overflows in some models: try --dtype float32"
 
 
 @dataclass(frozen=True)
@@ -94,20 +98,23 @@ def find(
         boxes: As the model gave them; None = it gives none. See `boxes.usable` for what is dropped.
 
     Raises:
-        ModelError: the heatmap holds a value that is not finite.
+        ModelError: the heatmap holds a value that is not finite, or no box has a score that is.
     """
     peak = float(heatmap.max())
     if not np.isfinite(peak):
-        raise ModelError(
-            f"the model answered with a heat of {peak}; half precision overflows in some models: "
-            "try --dtype float32"
-        )
+        raise ModelError(f"the model answered with a heat of {peak}; {_OVERFLOW}")
     if boxes is None:
         score, dropped = peak, 0
         regions = regions_of(heatmap, threshold) if score >= threshold else ()
     else:
         height, width = heatmap.shape
-        sound, dropped = usable(boxes, width, height)
+        given = tuple(boxes)
+        if given and not any(math.isfinite(box.score) for box in given):
+            raise ModelError(
+                f"none of the {len(given)} boxes of the model has a score that is a number; "
+                f"{_OVERFLOW}"
+            )
+        sound, dropped = usable(given, width, height)
         score = sound[0].score if sound else 0.0
         chosen = distinct([box for box in sound if box.score >= threshold])
         regions = tuple(region_of_box(heatmap, box) for box in chosen)

@@ -8,7 +8,8 @@ from typing import Any, Protocol, runtime_checkable
 import msgspec
 import numpy as np
 
-from w2c.messages import GroundingRequest
+from w2c.errors import ModelError, W2CError
+from w2c.messages import GroundingReply, GroundingRequest
 from w2c_grounding.answer import Grounder
 from w2c_grounding.card import ModelCard
 from w2c_grounding.evidence import PointRule
@@ -16,12 +17,10 @@ from w2c_grounding.family import Family
 from w2c_grounding.guard import Guarded, release
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.picture import encode_png
+from w2c_grounding.registry import EMBEDDED_NAME
 from w2c_grounding.timed import TimedFamily
 
 Load = Callable[[ModelConfig], tuple[Family[Any], ModelCard]]
-
-EMBEDDED_NAME = "embedded"
-"""What `w2c ground use` calls the model of this repository"""
 
 
 @runtime_checkable
@@ -64,7 +63,7 @@ def load_model(
 
     Raises:
         ConfigError: a value makes no sense here.
-        ModelError: the model cannot be loaded.
+        ModelError: the model cannot be loaded, or cannot answer.
     """
     found, card = load(config)
     family = TimedFamily(found, timer)
@@ -75,9 +74,33 @@ def load_model(
     else:
         blank = encode_png(np.full((720, 1280, 3), 128, dtype=np.uint8))
         request = GroundingRequest(jpeg=blank, phrases=["warm up"], want="heatmaps")
-        model.grounder.ground(request)
+        first_answer(card.name, model.grounder, request)
     family.take()
     return model
+
+
+def first_answer(name: str, grounder: Grounder, request: GroundingRequest) -> GroundingReply:
+    """Return a model's answer to the first request that it gets.
+
+    Args:
+        name: Of the model.
+        grounder: Asks it.
+        request: The first one.
+
+    Raises:
+        RefusedError: the picture or a phrase cannot be asked about, or memory ran out.
+        ModelError: the model was loaded and cannot answer.
+    """
+    try:
+        return grounder.ground(request)
+    except W2CError:
+        raise
+    # A size or a precision that the model's own layers do not take: each says so in its own way.
+    except Exception as error:
+        raise ModelError(
+            f"{name} was loaded and cannot answer: {type(error).__name__}: {error}; leave "
+            "--input-size out or choose a larger one, try --dtype float32, or name another --model"
+        ) from error
 
 
 def another(config: ModelConfig, model: str, family: str) -> ModelConfig:

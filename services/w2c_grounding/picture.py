@@ -1,9 +1,10 @@
 """Pictures in and out: files in memory to arrays and back."""
 
 import io
+import struct
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
+from PIL import ExifTags, Image, UnidentifiedImageError
 
 from w2c.errors import RefusedError
 from w2c_grounding.family import RgbImage
@@ -14,6 +15,17 @@ MAX_PIXELS = 40_000_000
 MAX_ASPECT = 30
 """Longer side over shorter. Scaled for a model, a longer strip would have no height left."""
 
+_TURNS = {
+    2: Image.Transpose.FLIP_LEFT_RIGHT,
+    3: Image.Transpose.ROTATE_180,
+    4: Image.Transpose.FLIP_TOP_BOTTOM,
+    5: Image.Transpose.TRANSPOSE,
+    6: Image.Transpose.ROTATE_270,
+    7: Image.Transpose.TRANSVERSE,
+    8: Image.Transpose.ROTATE_90,
+}
+"""EXIF's number for how a camera was held -> what makes its picture upright; 1 is upright"""
+
 _FORMATS = ("JPEG", "PNG")
 
 _DEEP_MODES = ("I", "F")
@@ -21,7 +33,10 @@ _DEEP_MODES = ("I", "F")
 
 
 def decode(data: bytes) -> RgbImage:
-    """Return the picture (height, width, 3) of a JPEG or PNG file.
+    """Return the picture (height, width, 3) of a JPEG or PNG file, as people see it.
+
+    A telephone writes a photograph on its side, with a note of how it was held: it is turned
+    upright.
 
     Raises:
         RefusedError: the bytes are no picture, are cut off, claim more than `MAX_PIXELS` pixels, or
@@ -45,14 +60,29 @@ def decode(data: bytes) -> RgbImage:
                     f"the picture has more than 8 bits a channel (mode {picture.mode}), as depth "
                     "has; send a colour or grey picture with 8"
                 )
-            return np.array(picture.convert("RGB"), dtype=np.uint8)
+            return np.array(_upright(picture).convert("RGB"), dtype=np.uint8)
     except UnidentifiedImageError as error:
         raise RefusedError(
             f"the {len(data)} bytes are neither JPEG nor PNG; send a camera picture"
         ) from error
+    # Pillow has a limit of its own, above ours, and looks at it before anyone can ask the size.
+    except Image.DecompressionBombError as error:
+        raise RefusedError(
+            f"the picture is too large, limit {MAX_PIXELS} pixels; send a smaller one ({error})"
+        ) from error
     # Pillow reports damage by whichever of these its decoder met first.
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+    except (OSError, SyntaxError, ValueError) as error:
         raise RefusedError(f"the picture is damaged: {error}; send it again") from error
+
+
+def _upright(picture: Image.Image) -> Image.Image:
+    try:
+        held = picture.getexif().get(ExifTags.Base.Orientation)
+    # A note that nobody can read says nothing; Pillow reports damage in it by any of these.
+    except (OSError, SyntaxError, ValueError, TypeError, struct.error):
+        return picture
+    turn = _TURNS.get(held) if isinstance(held, int) else None
+    return picture if turn is None else picture.transpose(turn)
 
 
 def encode_png(image: RgbImage) -> bytes:

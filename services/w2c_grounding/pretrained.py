@@ -3,6 +3,7 @@
 Everything that families do alike lives here, so that each says the same thing when it fails.
 """
 
+import errno
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
@@ -15,6 +16,7 @@ from huggingface_hub.utils import enable_progress_bars  # type: ignore[attr-defi
 from transformers.utils import logging as transformers_logging
 
 from w2c.errors import ConfigError, ModelError
+from w2c_grounding.guard import is_out_of_memory
 from w2c_grounding.model_config import Dtype, ModelConfig
 
 DTYPES: dict[Dtype, torch.dtype] = {
@@ -155,8 +157,18 @@ def _explained(what: str, source: str, config: ModelConfig) -> Iterator[None]:
     except Exception as error:
         raise ModelError(
             f"{what} of '{source}' cannot be loaded: {_first_line(error)}. "
-            f"{_next_step(error, source, config)}"
+            f"{_lack(error) or _next_step(error, source, config)}"
         ) from error
+
+
+def _lack(error: BaseException) -> str:
+    """Return what to do where disk or memory is full; "" where neither is."""
+    causes = tuple(_causes(error))
+    if any(getattr(cause, "errno", None) in (errno.ENOSPC, errno.EDQUOT) for cause in causes):
+        return "The disk is full: free some space and begin again; what was fetched is kept"
+    if any(is_out_of_memory(cause) for cause in causes):
+        return "Memory is full: end other programs, try --dtype bfloat16, or a smaller --model"
+    return ""
 
 
 def _next_step(error: BaseException, source: str, config: ModelConfig) -> str:

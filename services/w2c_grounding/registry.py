@@ -17,6 +17,8 @@ from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.wording import check_template
 
 EMBEDDED = Path(__file__).parent / "embedded"
+EMBEDDED_NAME = "embedded"
+"""What lists and `w2c ground use` call the model of this repository"""
 
 Loader = Callable[[ModelConfig, str, ModelCard], Family[Any]]
 """(configuration, what to give to `from_pretrained`, card) -> model. Imports its module when it is
@@ -32,6 +34,8 @@ class FamilyEntry:
     """What `config.json` of its checkpoints calls their architecture; () = anything"""
     threshold: float = 0.4
     """For a checkpoint without a card; a convention of the family's authors, not calibrated"""
+    scales: bool = True
+    """Takes `input_size`; False: its models read pictures of one size alone"""
     local_files: bool = True
     """False: `model` is no checkpoint (a name on a server); nothing is looked for on disk"""
 
@@ -97,14 +101,17 @@ FAMILIES: dict[str, FamilyEntry] = {
         _load_grounding_dino, ("grounding-dino", "mm-grounding-dino"), threshold=0.25
     ),
     "owlv2": FamilyEntry(_load_owlv2, ("owlv2",), threshold=0.1),
-    "florence": FamilyEntry(_load_florence, ("florence2",), threshold=0.3),
-    "florence-outline": FamilyEntry(_load_florence_outline, ("florence2",), threshold=0.3),
-    "sam3": FamilyEntry(_load_sam3, ("sam3", "sam3_video"), threshold=0.5),
-    "pointer": FamilyEntry(_load_pointer, (), threshold=0.5, local_files=False),
+    "florence": FamilyEntry(_load_florence, ("florence2",), threshold=0.3, scales=False),
+    "florence-outline": FamilyEntry(
+        _load_florence_outline, ("florence2",), threshold=0.3, scales=False
+    ),
+    "sam3": FamilyEntry(_load_sam3, ("sam3", "sam3_video"), threshold=0.5, scales=False),
+    "pointer": FamilyEntry(_load_pointer, (), threshold=0.5, scales=False, local_files=False),
     "pointer-local": FamilyEntry(
         _load_local_pointer,
         ("qwen2_vl", "qwen2_5_vl", "qwen3_vl", "qwen3_5", "molmo2", "llava", "internvl", "glm4v"),
         threshold=0.5,
+        scales=False,
     ),
 }
 
@@ -132,6 +139,11 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
         source, directory = resolve(config)
         config = msgspec.structs.replace(config, family=family_of(config, source, directory))
     entry = FAMILIES[config.family]
+    if config.input_size is not None and not entry.scales:
+        raise ConfigError(
+            f"--input-size {config.input_size}: family {config.family} has no size to choose; "
+            "leave it out (what pointers are shown is bounded by --pointer.longest-side)"
+        )
     card = _card(config, entry, directory, name or source)
     return Guarded(entry.load(config, source, card), config.device), card
 
@@ -152,7 +164,7 @@ def resolve(config: ModelConfig) -> tuple[str, Path | None]:
     Raises:
         ModelError: a path does not exist, or is no checkpoint directory.
     """
-    if not config.model:
+    if config.model in ("", EMBEDDED_NAME):
         return str(check_directory(EMBEDDED)), EMBEDDED
     path = Path(config.model).expanduser()
     if path.exists():

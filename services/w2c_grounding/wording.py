@@ -1,6 +1,7 @@
 """Words of phrases: what is sent to a model, and which words it never saw."""
 
 import re
+import unicodedata
 from collections.abc import Iterable
 
 from w2c.errors import ConfigError, RefusedError
@@ -8,6 +9,9 @@ from w2c.errors import ConfigError, RefusedError
 _WORD = re.compile(r"[^\W_]+(?:['-][^\W_]+)*")
 _ARTICLE = re.compile(r"^(?:an?|the)\s+", re.IGNORECASE)
 _ARTICLE_BEFORE = re.compile(r"\b(?:an?|the) \{\}", re.IGNORECASE)
+
+_JOINERS = "\u200c\u200d"
+"""Not seen themselves: they say how the letters of a word are joined, in Hindi and Persian"""
 
 FUNCTION_WORDS = frozenset(
     {"a", "an", "the", "this", "that", "these", "those", "one", "some", "any", "and", "or"}
@@ -17,8 +21,22 @@ FUNCTION_WORDS = frozenset(
 
 
 def words(text: str) -> list[str]:
-    """Return the words of a text in lower case, without punctuation."""
-    return _WORD.findall(text.lower())
+    """Return the words of a text in lower case, without punctuation.
+
+    Marks that many scripts write on and between letters (vowels of Hindi, tones of Thai) belong to
+    the word; an accent and its letter are one character.
+    """
+    text = unicodedata.normalize("NFC", text.lower())
+    if text.isascii():
+        return _WORD.findall(text)
+    # For the pattern a mark is a letter like any other.
+    letters = "".join("a" if _is_mark(character) else character for character in text)
+    found = (text[match.start() : match.end()] for match in _WORD.finditer(letters))
+    return [word for word in found if any(character.isalnum() for character in word)]
+
+
+def _is_mark(character: str) -> bool:
+    return unicodedata.category(character).startswith("M") or character in _JOINERS
 
 
 def normalised(phrase: str) -> str:

@@ -22,8 +22,9 @@ from w2c.messages import GroundingRequest
 from w2c_grounding.card import ModelCard
 from w2c_grounding.evidence import PointRule
 from w2c_grounding.family import Family
-from w2c_grounding.loaded import EMBEDDED_NAME, load_model
+from w2c_grounding.loaded import load_model
 from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.registry import EMBEDDED_NAME
 from w2c_grounding.registry import load as load_registered
 
 SIZE = (1280, 720)

@@ -189,3 +189,9 @@ def test_a_heatmap_that_is_no_number_is_an_error_not_an_answer() -> None:
     heat[0, 0] = np.nan
     with pytest.raises(ModelError, match="--dtype float32"):
         find(heat, 0.5)
+
+
+def test_boxes_without_any_score_that_is_a_number_are_an_error_not_an_empty_picture() -> None:
+    boxes = [ScoredBox(10, 20, 30, 40, float("nan")), ScoredBox(1, 2, 3, 4, float("nan"))]
+    with pytest.raises(ModelError, match=r"none of the 2 boxes .*--dtype float32"):
+        find(disc(20, 30, 5), 0.5, boxes=boxes)

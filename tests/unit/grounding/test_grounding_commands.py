@@ -7,7 +7,10 @@ import pytest
 
 from w2c.errors import ConfigError, ConnectionFailedError, ModelError, RefusedError
 from w2c.messages import Box, PhraseEvidence
+from w2c_grounding import registry
+from w2c_grounding.card import ModelCard
 from w2c_grounding.commands import describe, ground
+from w2c_grounding.family import RgbImage
 from w2c_grounding.picture import decode, encode_png
 
 
@@ -45,6 +48,18 @@ def test_what_is_wrong_is_said(picture: Path, tiny_checkpoint: Path, tmp_path: P
     broken.write_bytes(b"no picture")
     with pytest.raises(RefusedError, match="neither JPEG nor PNG"):
         ground(["book", "--image", str(broken), *model])
+
+
+def test_a_model_whose_layers_do_not_take_the_size_is_told_without_a_trace(
+    picture: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Unready:
+        def prepare(self, image: RgbImage) -> None:
+            raise RuntimeError("selected index k out of range")
+
+    monkeypatch.setattr(registry, "load", lambda _: (Unready(), ModelCard(name="mine")))
+    with pytest.raises(ModelError, match=r"mine was loaded and cannot answer: .*--input-size out"):
+        ground(["book", "--image", str(picture), "--input-size", "16"])
 
 
 def test_no_phrase_is_a_usage_error(picture: Path) -> None:

@@ -4,9 +4,10 @@ import io
 import struct
 import zlib
 
+import cv2
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import ExifTags, Image
 
 from w2c.errors import RefusedError
 from w2c_grounding.picture import decode, encode_png
@@ -55,6 +56,39 @@ def test_a_small_file_that_claims_a_huge_picture_is_refused() -> None:
     bomb = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")
     with pytest.raises(RefusedError, match="9000 x 9000"):
         decode(bomb)
+
+
+def test_a_header_of_more_pixels_than_pillow_opens_is_too_large_not_damaged() -> None:
+    whole = png(Image.new("RGB", (4, 4)))
+    header = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 2, 0, 0, 0)
+    checksum = struct.pack(">I", zlib.crc32(b"IHDR" + header))
+    with pytest.raises(RefusedError, match="too large, limit 40000000 pixels; send a smaller one"):
+        decode(whole[:16] + header + checksum + whole[33:])
+
+
+@pytest.mark.parametrize("held", range(1, 9))
+def test_a_photograph_is_turned_upright_as_every_viewer_shows_it(held: int) -> None:
+    corner = np.zeros((48, 64, 3), dtype=np.uint8)
+    corner[:16, :16] = 255
+    note = Image.Exif()
+    note[ExifTags.Base.Orientation] = held
+    buffer = io.BytesIO()
+    Image.fromarray(corner).save(buffer, format="JPEG", quality=95, exif=note)
+    shown = cv2.imdecode(np.frombuffer(buffer.getvalue(), np.uint8), cv2.IMREAD_COLOR)
+    assert shown is not None
+    upright = decode(buffer.getvalue())
+    assert upright.shape == shown.shape
+    assert ((upright[:, :, 0] > 128) == (shown[:, :, 0] > 128)).all()
+
+
+def test_a_note_of_how_a_camera_was_held_that_nobody_can_read_says_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def unreadable(self: Image.Image) -> Image.Exif:
+        raise struct.error("unpack requires a buffer of 12 bytes")
+
+    monkeypatch.setattr(Image.Image, "getexif", unreadable)
+    assert decode(jpeg(64, 48)).shape == (48, 64, 3)
 
 
 def png(image: Image.Image) -> bytes:

@@ -1,5 +1,6 @@
 """What is said when a checkpoint cannot be loaded, and what is remembered of phrases."""
 
+import errno
 from typing import Any
 
 import httpx
@@ -40,6 +41,8 @@ CASES = [
     (hub.LocalEntryNotFoundError("not in the cache"), "did not answer.*give --model DIR"),
     (ConnectionError("unreachable"), "did not answer"),
     (ValueError("not weights"), "damaged or of another architecture"),
+    (OSError(errno.ENOSPC, "No space left on device"), "disk is full: free some space"),
+    (MemoryError(), "Memory is full: .*--dtype bfloat16"),
 ]
 
 

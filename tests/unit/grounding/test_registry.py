@@ -2,14 +2,20 @@
 
 import json
 import shutil
+import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from w2c.errors import ConfigError, ModelError
-from w2c_grounding.card import CARD_FILE, read_card
+from w2c_grounding.card import CARD_FILE, ModelCard, read_card
+from w2c_grounding.config import Config
+from w2c_grounding.family import Evidence, RgbImage
+from w2c_grounding.loaded import load_model
 from w2c_grounding.model_config import ModelConfig
-from w2c_grounding.registry import family_of, load, resolve
+from w2c_grounding.model_list import describe_models
+from w2c_grounding.registry import EMBEDDED_NAME, family_of, load, resolve
 
 
 def test_the_card_of_a_checkpoint_says_how_to_read_it(tiny_checkpoint: Path) -> None:
@@ -140,3 +146,42 @@ def test_an_architecture_of_another_size_is_a_model_error(
 def test_families_have_thresholds_of_their_own(owlv2_checkpoint: Path) -> None:
     _, card = load(ModelConfig(model=str(owlv2_checkpoint), threads=1))
     assert card.threshold == 0.1
+
+
+@pytest.mark.parametrize("family", ["florence", "florence-outline", "sam3", "pointer"])
+def test_a_family_without_a_size_to_choose_refuses_one_instead_of_ignoring_it(
+    family: str, tmp_path: Path
+) -> None:
+    for name in ("model.safetensors", "preprocessor_config.json", "tokenizer.json"):
+        (tmp_path / name).write_text("")
+    kind = "sam3" if family == "sam3" else "florence2"
+    (tmp_path / "config.json").write_text(json.dumps({"model_type": kind}))
+    config = ModelConfig(model=str(tmp_path), family=family, input_size=480)
+    with pytest.raises(ConfigError, match=rf"--input-size 480: family {family} has no size"):
+        load(config)
+
+
+def test_the_name_of_the_embedded_model_is_a_name_as_the_list_says() -> None:
+    assert describe_models([], lambda _: False).startswith(f"{EMBEDDED_NAME} ")
+    assert resolve(ModelConfig(model=EMBEDDED_NAME)) == resolve(ModelConfig())
+    named = Config(robot="test", model=EMBEDDED_NAME).model_files()
+    assert named is not None
+    assert named == Config(robot="test").model_files()
+
+
+class Unready:
+    """A family whose layers do not fit the size that was chosen."""
+
+    def prepare(self, image: RgbImage) -> None:
+        raise RuntimeError("selected index k out of range")
+
+    def query(self, context: None, phrases: Sequence[str]) -> list[Evidence]:
+        return []
+
+
+def test_a_model_that_cannot_answer_is_a_model_error_at_the_start() -> None:
+    def load_unready(_: ModelConfig) -> tuple[Unready, ModelCard]:
+        return Unready(), ModelCard(name="mine")
+
+    with pytest.raises(ModelError, match=r"mine was loaded and cannot answer: .*index k.*--input"):
+        load_model(load_unready, ModelConfig(input_size=16), "interior", time.monotonic_ns)

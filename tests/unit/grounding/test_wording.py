@@ -16,7 +16,24 @@ def test_words_keep_apostrophes_and_hyphens_inside() -> None:
     assert words("the robot's well-worn cup_2") == ["the", "robot's", "well-worn", "cup", "2"]
 
 
-@pytest.mark.parametrize("phrase", ["", "  ", "?!", "..."])
+@pytest.mark.parametrize(
+    ("phrase", "found"),
+    [
+        ("3.5 inch disk.", ["3", "5", "inch", "disk"]),
+        ("la cafetera, ñandú", ["la", "cafetera", "ñandú"]),
+        ("cafe\u0301s", ["caf\u00e9s"]),
+        ("लाल किताब", ["लाल", "किताब"]),
+        ("หนังสือ", ["หนังสือ"]),
+        ("كتب", ["كتب"]),
+        ("\u0645\u06cc\u200c\u0631\u0648\u0645", ["\u0645\u06cc\u200c\u0631\u0648\u0645"]),
+        ("红色的杯子", ["红色的杯子"]),
+    ],
+)
+def test_words_of_any_script_stay_whole(phrase: str, found: list[str]) -> None:
+    assert words(phrase) == found
+
+
+@pytest.mark.parametrize("phrase", ["", "  ", "?!", "...", "📦\ufe0f", "\u0301"])
 def test_a_phrase_without_a_word_is_refused(phrase: str) -> None:
     with pytest.raises(RefusedError, match="holds no word"):
         normalised(phrase)
