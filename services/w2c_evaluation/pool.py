@@ -14,7 +14,7 @@ from typing import Any, Generic, TypeVar
 import msgspec
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from w2c.errors import ConfigError
+from w2c.errors import ConfigError, W2CError
 
 R = TypeVar("R")
 
@@ -60,9 +60,15 @@ class ResultFile(Generic[R]):
         return results
 
     def add(self, result: R) -> None:
-        """Append a result; it is on its way to the disk when this returns."""
-        with self._path.open("ab") as file:
-            file.write(msgspec.json.encode(result) + b"\n")
+        """Append a result; it is on its way to the disk when this returns. Raises W2CError."""
+        try:
+            with self._path.open("ab") as file:
+                file.write(msgspec.json.encode(result) + b"\n")
+        except OSError as error:
+            raise W2CError(
+                f"{self._path} cannot be written: {error.strerror}; free some space, then go on "
+                f"with --resume --run-directory {self._path.parent}"
+            ) from error
 
 
 def run_all(

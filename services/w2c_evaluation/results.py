@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from w2c.errors import ConfigError
+
 PACKAGES = ("words2contact", "mujoco", "pin", "torch", "transformers", "llama-cpp-python")
 
 
@@ -50,8 +52,19 @@ def make_results(benchmark: str, seed: int, rows: list[dict[str, Any]]) -> dict[
 
 
 def write_results(results: dict[str, Any], path: Path) -> None:
-    """Write a results document as JSON."""
-    path.write_text(json.dumps(results, indent=2) + "\n")
+    """Write a results document as JSON. Raises ConfigError where that cannot be."""
+    write_text(json.dumps(results, indent=2) + "\n", path)
+
+
+def write_text(text: str, path: Path) -> None:
+    """Write a file, and the directories to it. Raises ConfigError where that cannot be."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    except OSError as error:
+        raise ConfigError(
+            f"{path} cannot be written: {error.strerror}; choose another file, or free some space"
+        ) from error
 
 
 def _commit() -> str:

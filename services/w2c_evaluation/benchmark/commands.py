@@ -1,7 +1,7 @@
 """`w2c benchmark make|check`."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -99,11 +99,31 @@ def describe(figures: Any) -> str:
     )
 
 
+def _print_hardness(items: Sequence[Any]) -> None:
+    """Print how often a point by chance hits, and the limits that a folder of `make` misses."""
+    from w2c_evaluation.benchmark.figures import figures_of, mean, missed
+    from w2c_evaluation.benchmark.record import POSITIONS
+
+    records = [item.record for item in items]
+    shares = [float(item.accepted().mean()) for item in items]
+    of = {
+        name: [s for r, s in zip(records, shares, strict=True) if r.position == name]
+        for name in POSITIONS
+    }
+    hits = ", ".join(f"{name} {mean(found):.3f}" for name, found in of.items() if found)
+    print(f"random points hit: {hits}, overall {mean(shares):.3f}")
+    if all(record.origin is not None for record in records):
+        for complaint in missed(figures_of(records, shares)):
+            print(f"limit missed: {complaint}")
+
+
 def _check(options: Check) -> int:
     from w2c_evaluation.benchmark.dataset import read
 
     items, faults = read(options.directory)
     for fault in faults:
         print(fault)
+    if items:
+        _print_hardness(items)
     print(f"{len(items)} sound, {len(faults)} faults: {options.directory}")
     return 1 if faults else 0

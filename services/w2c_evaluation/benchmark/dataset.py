@@ -24,6 +24,12 @@ SUFFIXES = (".jpg", ".jpeg", ".png", ".JPG", ".JPEG", ".PNG")
 ACCEPTED_FROM = 128
 """Of 255: masks that went through a lossy format are not exactly black and white"""
 SHOWN_FAULTS = 5
+SIGNATURES = (b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n")
+"""How a JPEG and a PNG begin, whatever their name ends in"""
+MOST_BYTES = 20_000_000
+"""Of a picture: a request to grounding holds no more"""
+MOST_PIXELS = 40_000_000
+"""Of a picture: grounding decodes no larger one"""
 
 
 @dataclass(frozen=True)
@@ -147,7 +153,7 @@ def _item(directory: Path, where: str, line: bytes, seen: set[str]) -> Item | li
         except ConfigError as error:
             faults.append(f"{where}: {error}")
     if not faults:
-        faults = [f"{where}: {fault}" for fault in _misfits(*paths)]
+        faults = [f"{where}: {fault}" for fault in _misfits(record, *paths)]
     return faults or Item(record, *paths)
 
 
@@ -168,8 +174,8 @@ def _find(directory: Path, folder: str, given: str, name: str) -> Path:
     raise ConfigError(f"there is no {folder}/{name} with any of: {' '.join(SUFFIXES[:3])}")
 
 
-def _misfits(image: Path, mask: Path) -> list[str]:
-    """Return what is wrong with a picture and its mask."""
+def _misfits(record: Record, image: Path, mask: Path) -> list[str]:
+    """Return what is wrong with a picture, its mask, and what its record says is in it."""
     try:
         picture = _decoded(image, cv2.IMREAD_COLOR)
         accepted = read_mask(mask)
@@ -182,7 +188,42 @@ def _misfits(image: Path, mask: Path) -> list[str]:
         return ["the mask is empty: no point would be accepted"]
     if accepted.all():
         return ["the mask is full: every point would be accepted"]
+    pixels = picture.shape[0] * picture.shape[1]
+    return [*_unreadable(image, pixels), *_wrong_things(record, accepted)]
+
+
+def _unreadable(image: Path, pixels: int) -> list[str]:
+    """Return why no vision model would be shown a picture."""
+    data = image.read_bytes()
+    if not data.startswith(SIGNATURES):
+        return ["the picture is neither JPEG nor PNG inside: convert it"]
+    if len(data) > MOST_BYTES or pixels > MOST_PIXELS:
+        return [
+            f"the picture has {len(data)} bytes and {pixels} pixels, limits {MOST_BYTES} and "
+            f"{MOST_PIXELS}: make it smaller, and its mask"
+        ]
     return []
+
+
+def _wrong_things(record: Record, mask: Mask) -> list[str]:
+    """Return what the things of a record cannot be: errors would be told of the wrong step."""
+    if record.things is None:
+        return []
+    if not record.things:
+        return ["things is empty: leave it out where they are not known"]
+    height, width = mask.shape
+    said = " ".join(record.prompt.casefold().split())
+    faults = []
+    for thing in record.things:
+        left, top, right, bottom = thing.box
+        if not thing.words.strip() or " ".join(thing.words.casefold().split()) not in said:
+            faults.append(f"the prompt does not say '{thing.words}'")
+        if not (0 <= left < right <= width and 0 <= top < bottom <= height):
+            faults.append(
+                f"the box of '{thing.words}' is ({left:g}, {top:g}, {right:g}, {bottom:g}), "
+                f"expected left, top, right, bottom within {width}x{height}"
+            )
+    return faults
 
 
 def _decoded(path: Path, flags: int) -> npt.NDArray[np.integer]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from w2c.errors import ConfigError
 from w2c.messages import Turn
 from w2c_evaluation.corrections.eye import Look, Pixel, distance
 from w2c_evaluation.corrections.operator import Operator, Seen
@@ -99,6 +100,9 @@ def draw_tasks(study: Study, voice: str, operator: int, phase: int) -> list[tupl
     """Return the pictures of a session, each with the centre of its ring.
 
     Both phases of an operator are drawn together: no picture comes twice.
+
+    Raises:
+        ConfigError: too few of the pictures show anything to point at, or one cannot be read.
     """
     rng = np.random.default_rng([study.seed, *voice.encode(), operator])
     tasks: list[tuple[Picture, Pixel]] = []
@@ -109,6 +113,11 @@ def draw_tasks(study: Study, voice: str, operator: int, phase: int) -> list[tupl
             tasks.append((picture, ring))
         if len(tasks) == study.images * len(PHASES):
             break
+    if len(tasks) < study.images * len(PHASES):
+        raise ConfigError(
+            f"{len(tasks)} of {study.picture_count} pictures show something to point at, an "
+            f"operator needs {study.images * len(PHASES)}: use more --pictures"
+        )
     first = (phase - 1) * study.images
     return tasks[first : first + study.images]
 

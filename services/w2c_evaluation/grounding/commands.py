@@ -1,6 +1,7 @@
 """`w2c bench grounding`."""
 
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -8,6 +9,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 from w2c.config import parse
+from w2c.errors import ProcessError, W2CError
 from w2c.extras import needs_extra
 from w2c.library import library
 from w2c_evaluation.grounding.report import EMBEDDED, format_table, make_rows, missed
@@ -39,18 +41,33 @@ class GroundingBenchConfig(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def bench(arguments: list[str] | None = None) -> int:
-    """Measure and print the table. Exit status 1 when the embedded model misses a target."""
+    """Measure and print the table.
+
+    A model that cannot be measured leaves the others. Exit status 1 where there was one, or where
+    the embedded model misses a target.
+
+    Raises:
+        W2CError: not one could be measured.
+    """
     config = parse(GroundingBenchConfig, arguments or [], program="w2c bench grounding")
     with needs_extra("grounding"):
         library("grounding_costs")
     rows: list[dict[str, Any]] = []
+    failures: list[W2CError] = []
     for model in config.models:
         for device in config.devices:
             print(f"{model} on {device} ...", flush=True)
-            costs = _measure_alone(_question(config, model, device))
+            try:
+                costs = _measure_alone(_question(config, model, device))
+            except W2CError as error:
+                failures.append(error)
+                print(f"not measured: {error}", flush=True)
+                continue
             if costs is not None:
                 name = EMBEDDED if model == EMBEDDED else costs.name
                 rows += make_rows(name if device == "cpu" else f"{name}@{device}", costs)
+    if failures and not rows:
+        raise failures[0]
     results = make_results("grounding", config.seed, rows)
     if config.json:
         write_results(results, Path(config.json))
@@ -58,7 +75,7 @@ def bench(arguments: list[str] | None = None) -> int:
     complaints = missed(rows)
     for complaint in complaints:
         print(f"target missed: {complaint}")
-    return 1 if complaints else 0
+    return 1 if complaints or failures else 0
 
 
 def _question(config: GroundingBenchConfig, model: str, device: str) -> dict[str, Any]:
@@ -74,9 +91,20 @@ def _question(config: GroundingBenchConfig, model: str, device: str) -> dict[str
 
 
 def _measure_alone(question: dict[str, Any]) -> Any:
-    """Return the costs of a model, measured in a new process: its peak of memory is its own."""
+    """Return the costs of a model, measured in a new process: its peak of memory is its own.
+
+    Raises:
+        W2CError: it cannot be loaded, or its process was ended.
+    """
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        return pool.submit(measure, question).result()
+        try:
+            return pool.submit(measure, question).result()
+        except BrokenProcessPool as error:
+            raise ProcessError(
+                f"the process that measured {question['model']} on {question['device']} was ended, "
+                "as a system does that has no memory left: end other programs, try "
+                "--dtype bfloat16, or a smaller model"
+            ) from error
 
 
 def measure(question: dict[str, Any]) -> Any:

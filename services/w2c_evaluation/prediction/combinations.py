@@ -17,6 +17,7 @@ import msgspec
 
 from w2c.config import read_toml
 from w2c.errors import ConfigError
+from w2c_evaluation.embedded import checksum_of_embedded
 
 EMBEDDED = "embedded"
 OPENAI = "openai:"
@@ -31,11 +32,14 @@ class ModelSpec:
     flags: Mapping[str, Any]
     prompts: str = ""
     """Prompt set of a language model"""
+    weights: str = ""
+    """Checksum of an embedded model: its name stays when it is trained anew"""
 
     @property
     def digest(self) -> str:
-        """Return a short text that is another one for other flags."""
-        key = msgspec.json.encode([dict(self.flags), self.prompts], order="sorted")
+        """Return a short text that is another one for other flags, or other embedded weights."""
+        parts = [dict(self.flags), self.prompts, *([self.weights] if self.weights else [])]
+        key = msgspec.json.encode(parts, order="sorted")
         return hashlib.blake2b(key, digest_size=6).hexdigest()
 
 
@@ -95,7 +99,7 @@ class Catalogue:
                 raise ConfigError(f"[llm.{name}]: prompts '{prompts}'; known: embedded, large")
             return ModelSpec(name, flags, prompts)
         if name == EMBEDDED:
-            return ModelSpec(name, {}, "embedded")
+            return ModelSpec(name, {}, "embedded", checksum_of_embedded("language_service"))
         if name.startswith(OPENAI):
             return ModelSpec(name, {"backend": "openai", "model": name[len(OPENAI) :]}, "large")
         if name.endswith(".gguf"):
@@ -110,7 +114,9 @@ class Catalogue:
         """Return a vision model by name; what is not in a file is a model of grounding."""
         if name in self._vision:
             return ModelSpec(name, dict(self._vision[name]))
-        return ModelSpec(name, {} if name == EMBEDDED else {"model": name})
+        if name == EMBEDDED:
+            return ModelSpec(name, {}, weights=checksum_of_embedded("grounding_service"))
+        return ModelSpec(name, {"model": name})
 
     def combine(
         self, llms: Sequence[str], detectors: Sequence[str], segmenters: Sequence[str]

@@ -28,7 +28,7 @@ from w2c_evaluation.prediction.trial import (
     random_rates,
     run,
 )
-from w2c_evaluation.results import make_results, origin, write_results
+from w2c_evaluation.results import make_results, origin, write_results, write_text
 
 Ablation = Literal["none", "direct_number", "no_reasoning", "zero_shot", "single_prompt"]
 
@@ -162,7 +162,7 @@ def _report(
         f"{len(items)} pictures, {config.repetitions} repetitions at temperature "
         f"{config.temperature:g}. {origin(document)}\n"
     )
-    (Path(config.table) if config.table else directory / "tables.md").write_text(tables)
+    write_text(tables, Path(config.table) if config.table else directory / "tables.md")
     image = Path(config.image) if config.image else directory / "success.svg"
     write_figure({o.label: rates_of(a, records) for o, a in answers.items()}, random, image)
     for combination, given in answers.items():

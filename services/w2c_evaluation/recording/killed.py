@@ -1,5 +1,6 @@
 """A whole session killed while it runs, and how much of its recording can be read."""
 
+import itertools
 import subprocess
 import time
 from collections.abc import Sequence
@@ -16,6 +17,8 @@ RECORDING = "session.mcap"
 START_PATIENCE_S = 600.0
 """Until something is recorded: models are loaded before, on a slow machine too"""
 KILL_PATIENCE_S = 10.0
+BEFORE_S = 5.0
+"""Before the last message that can be read: how often messages came then"""
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,16 @@ class Killed:
     messages: int
     """That can be read"""
     lost_s: float
-    """From the arrival of the last of them to the kill [s]; at most so much is lost"""
+    """From the arrival of the last of them to the kill [s]; at most so much is lost. Where nothing
+    was written yet: from the first bytes of the file."""
+    silence_s: float
+    """Longest time without any message shortly before that [s]: where little is sent, such as while
+    everything starts, so long a time may pass without a loss"""
+
+    @property
+    def surely_lost_s(self) -> float:
+        """Return the part of `lost_s` in which a message must have come [s]."""
+        return max(0.0, self.lost_s - self.silence_s)
 
 
 def kill_session(
@@ -40,8 +52,8 @@ def kill_session(
         patience_s: until the first recorded bytes [s].
 
     Raises:
-        ProcessError: the session ended by itself, or recorded nothing.
-        RecordingError: nothing can be read.
+        ProcessError: the session ended by itself, or began no recording.
+        RecordingError: the file cannot be read.
     """
     path = directory / RECORDING
     session = psutil.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
@@ -52,15 +64,23 @@ def kill_session(
                 raise ProcessError(f"nothing was recorded in {directory} within {patience_s:g} s")
             _check_that_it_runs(session, directory)
             time.sleep(0.05)
+        began_ns = time.time_ns()
         time.sleep(after_s)
         _check_that_it_runs(session, directory)
     finally:
         killed_ns = time.time_ns()
         _kill_all(session)
     arrivals = [one.log_time_ns for one in library("recording")(path).messages(decode=False)]
-    if not arrivals:
-        raise ProcessError(f"{path} holds no message {after_s:.1f} s after recording began")
-    return Killed(len(arrivals), (killed_ns - max(arrivals)) * 1e-9)
+    arrivals = sorted([began_ns, *arrivals])
+    # Processes die one after the other: a message may come after the first of them was killed.
+    lost_ns = max(0, killed_ns - arrivals[-1])
+    return Killed(len(arrivals) - 1, lost_ns * 1e-9, longest_silence_s(arrivals))
+
+
+def longest_silence_s(arrivals_ns: Sequence[int], before_s: float = BEFORE_S) -> float:
+    """Return the longest time between two arrivals, sorted [ns], of the last `before_s` [s]."""
+    recent = [one for one in arrivals_ns if one > arrivals_ns[-1] - before_s * 1e9]
+    return max((b - a for a, b in itertools.pairwise(recent)), default=0) * 1e-9
 
 
 def _check_that_it_runs(session: psutil.Popen, directory: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from w2c.errors import ConfigError
+from w2c_evaluation.benchmark import dataset
 from w2c_evaluation.benchmark.commands import main
 from w2c_evaluation.benchmark.dataset import load, read, read_mask
 
@@ -102,6 +103,16 @@ def _cut_short(folder: Path) -> None:
     path.write_bytes(path.read_bytes()[:20])
 
 
+def _with_things(things: str) -> Callable[[Path], None]:
+    start = '{"id": "b", "prompt": "Touch the red  CUP", "position": "absolute", "things": '
+    return _with_line(f"{start}{things}}}\n")
+
+
+def _with_a_bitmap(folder: Path) -> None:
+    write(folder / "b.bmp", np.full((*SIZE, 3), 90, np.uint8))
+    (folder / "b.bmp").rename(folder / "images" / "b.jpg")
+
+
 @pytest.mark.parametrize(
     ("spoil", "fault"),
     [
@@ -120,6 +131,11 @@ def _cut_short(folder: Path) -> None:
             _with_line('{"id":"b","prompt":"x","position":"absolute","mask":"../m.png"}\n'),
             "leads out of the folder",
         ),
+        (_with_things("[]"), "things is empty"),
+        (_with_things('[{"words": "mug", "box": [1, 1, 9, 9]}]'), "does not say 'mug'"),
+        (_with_things('[{"words": "red cup", "box": [9, 1, 9, 9]}]'), "(9, 1, 9, 9), expected"),
+        (_with_things('[{"words": "cup", "box": [0, 0, 33, 9]}]'), "within 32x24"),
+        (_with_a_bitmap, "JPEG nor PNG inside: convert it"),
         (_with_line(""), "images/b.jpg: no prompt belongs to it"),
         (_without("prompts.jsonl"), "has neither prompts.jsonl nor prompts.csv"),
     ],
@@ -141,9 +157,25 @@ def test_a_fault_is_named_and_spoils_nothing_else(
     assert fault in capsys.readouterr().out
 
 
+def test_a_picture_that_is_too_large_for_a_request_is_told(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dataset, "MOST_PIXELS", SIZE[0] * SIZE[1] - 1)
+    assert all("make it smaller" in fault for fault in read(folder)[1])
+    assert read(folder)[0] == []
+
+
+def test_things_in_the_picture_that_the_prompt_says_are_sound(folder: Path) -> None:
+    _with_things('[{"words": "red cup", "box": [0, 0, 32, 24]}]')(folder)
+    assert read(folder)[1] == []
+
+
 def test_a_sound_folder_passes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(folder)]) == 0
-    assert "2 sound, 0 faults" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "2 sound, 0 faults" in told
+    assert "random points hit: absolute 0.312, overall 0.312" in told
+    assert "limit missed" not in told
 
 
 def test_a_missing_folder_says_how_to_make_one(tmp_path: Path) -> None:

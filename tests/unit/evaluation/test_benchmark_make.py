@@ -136,6 +136,8 @@ def test_the_command_makes_prints_and_fails_where_it_is_easy(
     said = capsys.readouterr().out
     assert "2 absolute, 2 relative; random points hit" in said
     assert "limit missed: random points hit" in said
+    assert main(["check", str(tmp_path / "two")]) == 0
+    assert "limit missed: random points hit" in capsys.readouterr().out
     assert main(["make", "--out", str(tmp_path / "two")]) == 2
     assert main(["make", "--out", str(tmp_path / "three"), "--count", "1"]) == 2
 

@@ -161,6 +161,21 @@ def test_both_phases_see_other_pictures_and_the_same_ones_each_time(tmp_path: Pa
     assert len({seed for phase in (1, 2) for seed, _ in drawn(phase)}) == 4
 
 
+def test_pictures_without_anything_to_point_at_are_told_not_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for seed in range(900_000, 900_004):
+        write_picture(tmp_path, seed)
+    draw = Picture.draw_ring
+    monkeypatch.setattr(
+        Picture,
+        "draw_ring",
+        lambda self, rng: None if self.seed == 900_002 else draw(self, rng),
+    )
+    with pytest.raises(ConfigError, match=r"3 of 4 pictures.*needs 4: use more --pictures"):
+        draw_tasks(Study(tmp_path, 900_000, 4, 2, "truth", "", 0), "pilot", 0, 1)
+
+
 def prompt(kind: str, d: float | None, **changes: object) -> Prompt:
     point = None if d is None else (RING[0] + d, RING[1])
     said = Prompt(
@@ -251,6 +266,7 @@ def test_a_study_that_is_complete_is_only_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(commands, "render", lambda *_: pytest.fail("nothing is to be made"))
+    monkeypatch.setattr(commands, "checksum_of_embedded", lambda service: service[:2])
     write_picture(tmp_path / "pictures")
     question = {
         "first_picture": 900_000,
@@ -259,6 +275,7 @@ def test_a_study_that_is_complete_is_only_reported(
         "boxes": "model",
         "model": "",
         "seed": 0,
+        "weights": ["la", "gr"],
     }
     lines = [question, *SESSIONS]
     (tmp_path / "sessions.jsonl").write_bytes(
@@ -276,6 +293,33 @@ def test_a_study_that_is_complete_is_only_reported(
         assert (tmp_path / name).stat().st_size > 200
     with pytest.raises(ConfigError, match="without --resume"):
         commands.evaluate([*arguments, "--boxes", "truth"])
+    monkeypatch.setattr(commands, "checksum_of_embedded", lambda _: "trained anew")
+    with pytest.raises(ConfigError, match="trained anew"):
+        commands.evaluate(arguments)
+
+
+def test_only_a_second_phase_off_target_ends_with_status_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(commands, "draw_boxes", lambda *_: None)
+    monkeypatch.setattr(commands, "draw_stories", lambda *_: None)
+    study = Study(tmp_path, 900_000, 4, 2, "truth", "", 0)
+
+    def status(*sessions: Session) -> int:
+        made = commands.CorrectionsConfig(
+            table=str(tmp_path / "new" / "tables.md"), json=str(tmp_path / "r")
+        )
+        return commands._report(made, study, tmp_path, list(sessions))
+
+    even = [(10.0,), (12.0,), (20.0,), (30.0,)]  # the middle of two is the median
+    assert status(session(2, *even)) == 0
+    assert status(session(1, (500.0,))) == 0
+    assert "target missed" not in capsys.readouterr().out
+    assert status(session(2, *even, (30.0,))) == 1
+    assert "target missed: the median after prompt 5 of phase 2 is 20.0 px, target 18" in (
+        capsys.readouterr().out
+    )
+    assert (tmp_path / "new" / "tables.md").is_file()
 
 
 @pytest.mark.parametrize(

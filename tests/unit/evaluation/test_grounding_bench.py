@@ -1,6 +1,8 @@
 """`w2c bench grounding`: what is timed, and what is said of it."""
 
 import json
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +10,7 @@ import numpy as np
 import pytest
 
 from fakes.vision import FakeFamily
-from w2c.errors import ModelError
+from w2c.errors import ModelError, ProcessError
 from w2c_evaluation.grounding import commands
 from w2c_evaluation.grounding.report import format_table, make_rows, missed
 from w2c_evaluation.results import make_results
@@ -112,3 +114,39 @@ def test_the_command_writes_the_results_and_leaves_out_what_is_not_there(
     assert [question["device"] for question in asked] == ["cpu", "cuda", "cpu", "cuda"]
     with pytest.raises(ModelError, match="damaged"):
         commands.bench(["--models", "broken"])
+
+
+def test_a_model_that_cannot_be_measured_leaves_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def measure_alone(question: dict[str, Any]) -> Costs:
+        if question["model"] == "broken":
+            raise ModelError("it is damaged")
+        return costs(100.0, 110.0)
+
+    monkeypatch.setattr(commands, "_measure_alone", measure_alone)
+    out = tmp_path / "grounding.json"
+    flags = ["--devices", "cpu", "--json", str(out), "--models"]
+    assert commands.bench([*flags, "mine", "broken", "embedded"]) == 1
+    assert {row["case"] for row in json.loads(out.read_text())["rows"]} == {"embedded", "fake"}
+    assert "not measured: it is damaged" in capsys.readouterr().out
+    assert commands.bench([*flags, "mine"]) == 0
+
+
+def test_a_process_that_was_ended_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Pool:
+        def __init__(self, *_: Any, **__: Any) -> None: ...
+
+        def __enter__(self) -> "Pool":
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def submit(self, *_: Any) -> "Future[Any]":
+            future: Future[Any] = Future()
+            future.set_exception(BrokenProcessPool("a child died"))
+            return future
+
+    monkeypatch.setattr(commands, "ProcessPoolExecutor", Pool)
+    with pytest.raises(ProcessError, match=r"measured large on cuda was ended.*bfloat16"):
+        commands._measure_alone({"model": "large", "device": "cuda"})

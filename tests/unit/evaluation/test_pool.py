@@ -1,5 +1,6 @@
 """Results are on disk as they come, and a study that was killed goes on."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -9,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from w2c.errors import ConfigError
+from w2c.errors import ConfigError, W2CError
 from w2c_evaluation.pool import ResultFile, run_all
+from w2c_evaluation.results import write_text
 from w2c_evaluation.robustness.grid import Target
 
 QUESTION = {"seed": 0, "stiffness": 1.0}
@@ -111,3 +113,22 @@ def test_killed_in_the_middle_it_keeps_what_was_done(tmp_path: Path) -> None:
 
 def _lines(path: Path) -> int:
     return path.read_text().count("\n") if path.exists() else 0
+
+
+def test_a_full_disk_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = results(tmp_path / "t.jsonl")
+    file.start(resume=False)
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "open", full)
+    with pytest.raises(W2CError, match=r"No space left.*go on with --resume --run-directory /"):
+        file.add(target(0))
+
+
+def test_a_report_makes_its_directory_or_says_why_not(tmp_path: Path) -> None:
+    write_text("x", tmp_path / "new" / "of" / "these.md")
+    assert (tmp_path / "new" / "of" / "these.md").read_text() == "x"
+    with pytest.raises(ConfigError, match=r"below\.md cannot be written: .*choose another file"):
+        write_text("x", tmp_path / "new" / "of" / "these.md" / "below.md")

@@ -27,7 +27,7 @@ from w2c.messages import (
 )
 from w2c_evaluation.benchmark.dataset import load
 from w2c_evaluation.benchmark.record import NamedThing, Record
-from w2c_evaluation.prediction import commands, paper, trial
+from w2c_evaluation.prediction import combinations, commands, paper, trial
 from w2c_evaluation.prediction.combinations import Catalogue, ModelSpec
 from w2c_evaluation.prediction.commands import PredictionConfig as Config
 from w2c_evaluation.prediction.commands import chosen, evaluate
@@ -208,6 +208,20 @@ def test_what_is_done_is_not_asked_again(dataset: Path, models: Models) -> None:
     assert models.loaded == []
     with pytest.raises(ConfigError, match="this study asks"):
         run(dataset, "--llm", "a.gguf", "--resume", "--temperature", "1")
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_answers_of_an_embedded_model_that_was_trained_anew_since_are_asked_again(
+    dataset: Path, models: Models, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run(dataset, "--llm", "a.gguf") == 0
+    before = rows_of(dataset)
+    models.loaded.clear()
+
+    monkeypatch.setattr(combinations, "checksum_of_embedded", lambda _: "other weights")
+    assert run(dataset, "--llm", "a.gguf", "--resume") == 0
+    assert models.loaded == ["a", "embedded"]
+    assert rows_of(dataset) == before
 
 
 @pytest.mark.usefixtures("no_pictures")
