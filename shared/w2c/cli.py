@@ -1,5 +1,7 @@
 """`w2c VERB`: services register verbs in the entry-point group `w2c.commands`."""
 
+import os
+import select
 import sys
 from collections.abc import Callable
 from difflib import get_close_matches
@@ -71,7 +73,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(__version__)
         return 0
     try:
-        return _run_verb(argv[0], argv[1:], verbs)
+        return _run_while_read(argv[0], argv[1:], verbs)
     except ModuleNotFoundError as error:
         if (error.name or "").startswith("w2c"):
             raise
@@ -80,6 +82,34 @@ def main(arguments: list[str] | None = None) -> int:
         return fail(error, f"w2c {argv[0]}")
     except KeyboardInterrupt:
         return 130
+
+
+def _run_while_read(verb: str, rest: list[str], verbs: dict[str, EntryPoint]) -> int:
+    """Run a verb. It fails quietly where who reads its output goes away, as `head` does."""
+    try:
+        status = _run_verb(verb, rest, verbs)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        if not _nobody_reads():
+            raise
+        return 1
+    return status
+
+
+def _nobody_reads() -> bool:
+    """Tell whether it was the output that broke; then drop what is left of it."""
+    try:
+        output = sys.stdout.fileno()
+    except (OSError, ValueError):  # it is no file of the system
+        return False
+    watch = select.poll()
+    watch.register(output, 0)
+    if not watch.poll(0):
+        return False
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, output)
+    os.close(nowhere)
+    return True
 
 
 if __name__ == "__main__":

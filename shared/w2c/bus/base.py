@@ -235,9 +235,13 @@ class BusBase(ABC):
             return False, self._error(
                 method, "remote", f"{type(error).__name__}: {error}", retryable=False
             )
-        return True, self._wrap(
-            f"reply/{method.service}/{method.name}", reply, [received.as_input()]
-        )[0]
+        try:
+            return True, self._wrap(
+                f"reply/{method.service}/{method.name}", reply, [received.as_input()]
+            )[0]
+        except MessageError as error:
+            self.count(f"failed {method.service}/{method.name}")
+            return False, self._error(method, "remote", f"the reply: {error}", retryable=False)
 
     def _log_failure(self, method: Method[Any, Any], error: Exception) -> None:
         import logging
@@ -250,7 +254,8 @@ class BusBase(ABC):
         )
 
     def _error(self, method: Method[Any, Any], code: str, text: str, *, retryable: bool) -> bytes:
-        reply = ErrorReply(code=code, message=text[:20_000], retryable=retryable)
+        sendable = text[:20_000].encode("utf-8", "replace").decode()
+        reply = ErrorReply(code=code, message=sendable, retryable=retryable)
         return self._wrap(f"reply/{method.service}/{method.name}", reply, ())[0]
 
     def _raise_error_reply(self, method: Method[Any, Any], payload: bytes) -> None:

@@ -145,6 +145,24 @@ def test_a_handler_that_breaks_answers_with_its_error(connect_bus: Connect) -> N
     assert robot.counters["failed robot/stop"] == 1
 
 
+@pytest.mark.parametrize("half", ["reply", "error"])
+def test_half_a_character_does_not_leave_a_caller_without_an_answer(
+    connect_bus: Connect, half: str
+) -> None:
+    robot, operator = connect_bus("robot"), connect_bus("operator")
+
+    def answer(request: StopRequest, context: CallContext) -> StopReply:
+        if half == "reply":
+            return StopReply(mode="half \ud800", stamp_ns=1)
+        raise RefusedError("half \ud800")
+
+    robot.serve(topics.ROBOT_STOP, answer)
+    with pytest.raises(
+        RemoteError if half == "reply" else RefusedError, match=r"whole character|half \?"
+    ):
+        operator.call(topics.ROBOT_STOP, StopRequest(), timeout_s=2.0)
+
+
 def test_a_call_that_nobody_serves_is_unavailable(connect_bus: Connect) -> None:
     operator = connect_bus("operator")
     with pytest.raises(UnavailableError, match="is the robot process running"):

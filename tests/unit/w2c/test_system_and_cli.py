@@ -145,3 +145,32 @@ def test_a_step_clock_never_goes_back() -> None:
 def test_the_system_file_is_plain_json(tmp_path: Path) -> None:
     write_system_file(system_file(tmp_path, 1))
     assert msgspec.json.decode((tmp_path / "system.json").read_bytes())["robot"] == "talos"
+
+
+@pytest.mark.parametrize("lines", [1, 20_000], ids=["a line that waits", "more than waits"])
+def test_who_stops_reading_ends_a_verb_without_a_traceback(
+    monkeypatch: pytest.MonkeyPatch, lines: int
+) -> None:
+    """As `w2c recording timeline FILE | head` does."""
+
+    def run(*_: object) -> int:
+        for _line in range(lines):
+            sys.stdout.write("a line\n")
+        return 0
+
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w") as output:
+        monkeypatch.setattr(sys, "stdout", output)
+        monkeypatch.setattr(cli, "_run_verb", run)
+
+        assert cli.main(["recording"]) == 1
+
+
+def test_a_pipe_that_is_not_the_output_breaks_loudly(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(*_: object) -> int:
+        raise BrokenPipeError("a child's")
+
+    monkeypatch.setattr(cli, "_run_verb", run)
+    with pytest.raises(BrokenPipeError):
+        cli.main(["recording"])
