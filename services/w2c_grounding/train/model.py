@@ -24,10 +24,10 @@ class Size:
     image: int = 352
     """The picture is squashed to a square of this side [px]: the decoder knows only squares"""
     patch: int = 16
-    width: int = 192
+    width: int = 256
     """Of the picture tower"""
     layers: int = 6
-    heads: int = 6
+    heads: int = 8
     extract: tuple[int, ...] = (2, 5)
     """Layers whose activations the decoder reads"""
     text_width: int = 128

@@ -2,8 +2,8 @@
 
 Muon brings all singular values of a matrix's momentum near 1 (Jordan et al. 2024, "Muon: an
 optimizer for hidden layers in neural networks"). Transformers learn from about half as many
-examples with it, for an eighth more time a step. The products are in float32: PyTorch's own class
-multiplies in bfloat16, which processors without such an instruction emulate slowly.
+examples with it, for an eighth more time a step. The products are in bfloat16 only where the
+processor has them: PyTorch's own class always does so, which other processors emulate slowly.
 """
 
 from collections import defaultdict
@@ -38,7 +38,11 @@ class Optimizer:
     """Changes the weights of a model and of what is trained beside it."""
 
     def __init__(
-        self, named: Iterable[tuple[str, torch.nn.Parameter]], weight_decay: float
+        self,
+        named: Iterable[tuple[str, torch.nn.Parameter]],
+        weight_decay: float,
+        *,
+        bf16: bool = False,
     ) -> None:
         weights = dict(named)
         self._matrices = {
@@ -49,6 +53,7 @@ class Optimizer:
         others = [weight for name, weight in weights.items() if name not in self._matrices]
         self._momenta = {name: torch.zeros_like(w) for name, w in self._matrices.items()}
         self._weight_decay = weight_decay
+        self._products = torch.bfloat16 if bf16 else torch.float32
         self._adam = torch.optim.AdamW(
             [
                 {"params": [w for w in others if w.ndim > 1], "weight_decay": weight_decay},
@@ -76,7 +81,8 @@ class Optimizer:
                 momentum = self._momenta[name].lerp_(matrix.grad, 1.0 - _MOMENTUM)
                 alike[matrix.shape].append((matrix, matrix.grad.lerp(momentum, _MOMENTUM)))
         for shape, pairs in alike.items():
-            updates = orthogonalised(torch.stack([update for _, update in pairs]))
+            stack = torch.stack([update for _, update in pairs])
+            updates = orthogonalised(stack.to(self._products)).to(stack.dtype)
             for (weight, _), update in zip(pairs, updates, strict=True):
                 weight.mul_(1.0 - rate * self._weight_decay)
                 weight.add_(update, alpha=-rate * _LIKE_ADAM * max(shape) ** 0.5)
