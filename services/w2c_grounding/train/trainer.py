@@ -218,7 +218,7 @@ def _choose_attention(model: Any, *, bf16: bool) -> None:
     attention = "eager" if bf16 else "sdpa"
     model.set_attn_implementation(attention)
     for layer in model.decoder.layers:  # which have a configuration of their own
-        layer.self_attn.config._attn_implementation = attention  # noqa: SLF001
+        layer.self_attn.config._attn_implementation = attention
 
 
 def _mask_loss(
