@@ -37,7 +37,7 @@ class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     threads: Annotated[int, msgspec.Meta(ge=1, le=256)] = 2
     """CPU threads."""
     rate: Annotated[float, msgspec.Meta(gt=0, lt=1)] | None = None
-    """Highest learning rate; default 0.003, with --from 0.001."""
+    """Highest learning rate; default 0.0015, with --from 0.0005."""
     begin_with: Annotated[str, tyro.conf.arg(name="from")] = ""
     """A checkpoint directory of this command to begin with: its size, its words, its weights."""
     resume: bool = False

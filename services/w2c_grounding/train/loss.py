@@ -1,12 +1,8 @@
 """What training minimises."""
 
-from collections.abc import Sequence
-
 import torch
 from torch.nn import functional
 
-LOUDEST = 9.0
-"""Mean square of what enters a layer of the decoder, from where on it costs"""
 HARDEST_SHARE = 0.002
 """Of the pixels of a phrase: those that decide whether an absent thing is "found" """
 
@@ -41,19 +37,6 @@ def mask_loss(logits: torch.Tensor, masks: torch.Tensor, weights: torch.Tensor) 
     astray = torch.where(present > 0, logits.logsumexp(dim=1) - inside, torch.zeros_like(present))
     total = 4.0 * each.mean(dim=1) + dice + 0.25 * hardest + 0.25 * astray
     return (weights * total).sum() / weights.sum().clamp(min=1.0)
-
-
-def loudness_loss(loudness: Sequence[torch.Tensor]) -> torch.Tensor:
-    """Return the loss of tokens that grew too large for attention.
-
-    The layers of the decoder normalise what they put out, never what they take: the size of their
-    input changes little but how sharp their attention is. It grows without end, and attention
-    between tokens of several hundred has gradients that overflow.
-
-    Args:
-        loudness: Mean squares of the inputs of layers, one or more.
-    """
-    return torch.stack([(one / LOUDEST).log().relu() for one in loudness]).sum()
 
 
 def patch_targets(owners: torch.Tensor, classes: torch.Tensor, patch: int) -> torch.Tensor:

@@ -14,6 +14,8 @@ from w2c_grounding.train.tokens import make_tokenizer
 
 # Of the ImageNet pictures, as all CLIPSeg checkpoints have them.
 MEAN = (0.485, 0.456, 0.406)
+LOUDEST = 9.0
+"""Mean square of what enters a layer of the decoder"""
 DEVIATION = (0.229, 0.224, 0.225)
 
 
@@ -187,7 +189,7 @@ def decode(
             scale, shift = decoder.film_mul(conditions), decoder.film_add(conditions)
             output = scale[:, None] * output + shift[:, None]
         if loudness is not None:
-            loudness.append(output.square().mean())
+            loudness.append(output.detach().float().square().mean())
         output = layer(output, attention_mask=None)
     if output is None:
         raise ValueError("a decoder without layers")
@@ -199,6 +201,32 @@ def decode(
         grid, weight, last.bias, stride=last.stride[0] // step
     )
     return logits.squeeze(1)
+
+
+def quieten(model: Any, loudness: Sequence[float]) -> None:
+    """Scale down what entered layers of the decoder louder than `LOUDEST`, at its weights.
+
+    The layers of the decoder normalise what they put out, never what they take: the size of their
+    input changes little but how sharp their attention is. Left alone it grows without end, and
+    attention between tokens of several hundred has gradients that overflow.
+
+    Args:
+        model: Of `new_model`.
+        loudness: Of `decode`, of the last step.
+    """
+    decoder = model.decoder
+    with torch.no_grad():
+        for number, loud in enumerate(loudness):
+            if loud > LOUDEST:
+                conditional = number == decoder.conditional_layer
+                makers = (
+                    (decoder.film_mul, decoder.film_add)
+                    if conditional
+                    else (decoder.reduces[number],)
+                )
+                for maker in makers:
+                    maker.weight.mul_(math.sqrt(LOUDEST / loud))
+                    maker.bias.mul_(math.sqrt(LOUDEST / loud))
 
 
 def embed(model: Any, tokens: Any) -> torch.Tensor:

@@ -17,6 +17,8 @@ _ITERATIONS = 5
 _LIKE_ADAM = 0.2
 """Root mean square of an update over the rate, that of AdamW"""
 _MOMENTUM = 0.95
+_INNER = (".layers.", "reduces.", "film_", "projection.")
+"""In the names of matrices between activations"""
 
 
 def orthogonalised(matrices: torch.Tensor) -> torch.Tensor:
@@ -48,7 +50,7 @@ class Optimizer:
         self._matrices = {
             name: weight
             for name, weight in weights.items()
-            if weight.ndim == 2 and ".layers." in name
+            if weight.ndim == 2 and any(part in name for part in _INNER)
         }
         others = [weight for name, weight in weights.items() if name not in self._matrices]
         self._momenta = {name: torch.zeros_like(w) for name, w in self._matrices.items()}

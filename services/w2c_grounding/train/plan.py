@@ -32,7 +32,7 @@ class Plan:
     """Phrases per picture that fit something"""
     absent: int = 2
     """Phrases per picture that fit nothing"""
-    rate: float = 3.0e-3
+    rate: float = 1.5e-3
     """Highest learning rate"""
     warm_up: int = 100
     """Steps in which the rate rises"""

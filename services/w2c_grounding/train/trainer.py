@@ -17,8 +17,8 @@ from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.batch import Batch, Batches
 from w2c_grounding.train.classes import Classes
 from w2c_grounding.train.data import ROBOT
-from w2c_grounding.train.loss import loudness_loss, mask_loss
-from w2c_grounding.train.model import Size, decode, embed, features
+from w2c_grounding.train.loss import mask_loss
+from w2c_grounding.train.model import Size, decode, embed, features, quieten
 from w2c_grounding.train.optimizer import Optimizer
 from w2c_grounding.train.phrases import Asker, Question
 from w2c_grounding.train.pictures import Pictures
@@ -29,7 +29,6 @@ AVERAGING = 0.997
 is kept: at any time of the training it is better than the weights themselves."""
 PATCH_WEIGHT = 0.6
 """Of what every patch shows, beside what was asked for; falls to a third until the end"""
-LOUDNESS_WEIGHT = 0.02
 LEAST_AREA = 24
 """Of what a phrase fits [px of every second row and column]: where less of it is seen, a heatmap is
 judged neither for nor against it"""
@@ -70,6 +69,7 @@ class Trainer:
             bf16=plan.bf16,
         )
         self._average = {name: value.clone() for name, value in model.state_dict().items()}
+        self._loudness: list[torch.Tensor] = []
 
     def run(
         self,
@@ -120,6 +120,7 @@ class Trainer:
             self._skip(rate)
         else:
             self._optimizer.step(rate)
+            quieten(self.model, [float(one) for one in self._loudness])
             self._update_average()
         self.progress.steps += 1
         return float(loss.detach())
@@ -182,16 +183,16 @@ class Trainer:
             )
             # Every second row and column of the heatmaps, others in each step: the same on average,
             # at a quarter of the time.
-            loudness: list[torch.Tensor] = []
+            self._loudness.clear()
             conditions = embed(self.model, tokens)
-            logits = decode(self.model, seen, conditions, (row, column), 2, loudness)
+            logits = decode(self.model, seen, conditions, (row, column), 2, self._loudness)
             patches = self._head(seen[-1][:, 1:])
         asked = _mask_loss(
             logits.float(), batch.owners[:, row::2, column::2], batch.questions, LEAST_AREA
         )
         dense = self._classes.loss(patches.float(), batch.owners, batch.truths, self._size.patch)
         share = 1.0 - self.progress.fraction(self._plan) * 2.0 / 3.0
-        return asked + PATCH_WEIGHT * share * dense + LOUDNESS_WEIGHT * loudness_loss(loudness)
+        return asked + PATCH_WEIGHT * share * dense
 
     def _skip(self, rate: float) -> None:
         """Leave the weights as they are. Raises ModelError when that happens too often."""
