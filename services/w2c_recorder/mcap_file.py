@@ -33,6 +33,8 @@ LOSSES_METADATA = "losses"
 FOREVER_NS = 2**63
 MIRROR_PREFIX = "foxglove/"
 """Of the topics that repeat what other channels hold, for other programs"""
+MOST_CHANNELS = 60_000
+"""Of the bus; an MCAP file numbers its channels with 16 bits, and those for Foxglove need some"""
 CHUNK_BYTES = 1_000_000
 """Of messages before compression; a chunk is what a crash of the process can lose."""
 
@@ -141,6 +143,8 @@ class McapFile:
         """Messages for Foxglove and Rerun, beside those of the bus."""
         self.malformed = 0
         """Messages without a readable envelope; recorded all the same."""
+        self.left_out = 0
+        """Messages of keys that came when the format had no number left for another one."""
         self.losses = LossCounter()
         self._mirror = mirror
         self._shown_alone = shown_alone
@@ -160,9 +164,16 @@ class McapFile:
             compression=_COMPRESSION[compression],
             index_types=IndexType.ALL,
         )
-        with self._writing():
-            self._writer.start(profile=PROFILE, library=f"words2contact {metadata.get('w2c', '')}")
-            self._writer.add_metadata(SESSION_METADATA, metadata)
+        try:
+            with self._writing():
+                self._writer.start(
+                    profile=PROFILE, library=f"words2contact {metadata.get('w2c', '')}"
+                )
+                self._writer.add_metadata(SESSION_METADATA, metadata)
+        except RecordingError:
+            self.abandon()
+            path.unlink(missing_ok=True)  # it is ours, and nothing is in it
+            raise
 
     @property
     def bytes_written(self) -> int:
@@ -183,8 +194,12 @@ class McapFile:
                 self._clocks[head.sender] = age_ns
         if not self._shown_alone:
             with self._writing():
+                channel = self._channel_of(received.key)
+                if channel is None:
+                    self._leave_out(received.key)
+                    return
                 self._writer.add_message(
-                    self._channel_of(received.key),
+                    channel,
                     log_time=log_time_ns,
                     data=received.payload,
                     # Bounded to what MCAP has room for, because a sender may send nonsense.
@@ -243,10 +258,20 @@ class McapFile:
         with suppress(OSError):  # a disk may say only now that it is full: that is known already
             self._output.close()
 
-    def _channel_of(self, key: str) -> int:
-        """Return the channel of a key; a new key opens one."""
+    def _leave_out(self, key: str) -> None:
+        self.left_out += 1
+        if self.left_out == 1:
+            log.error(
+                "%s and other new keys are not recorded: the file has %d already, which is all "
+                "that its format can number; something on the bus invents keys",
+                key,
+                MOST_CHANNELS,
+            )
+
+    def _channel_of(self, key: str) -> int | None:
+        """Return the channel of a key; a new key opens one, while there are numbers left."""
         channel = self._channels.get(key)
-        if channel is None:
+        if channel is None and len(self._channels) < MOST_CHANNELS:
             message_type = message_type_of(key)
             channel = self._writer.register_channel(
                 topic=key,

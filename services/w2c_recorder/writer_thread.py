@@ -6,8 +6,9 @@ import shutil
 import threading
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -185,20 +186,27 @@ class WriterThread:
     def _write(self, received: RawReceived) -> None:
         if self._file is None:
             return
-        try:
+        with self._failing():
             self._file.write(received, received.received_ns + self._offset_ns)
-        except RecordingError as error:
-            self._fail(error)
         if received.key.endswith(SNAPSHOT_SUFFIX):
             self._snapshot = received
 
     def _describe(self, name: str, values: dict[str, str]) -> None:
         if self._file is None:
             return
-        try:
+        with self._failing():
             self._file.describe(name, values)
+
+    @contextmanager
+    def _failing(self) -> Iterator[None]:
+        """End the recording, and nothing else, at whatever goes wrong: its sender can't help it."""
+        try:
+            yield
         except RecordingError as error:
             self._fail(error)
+        except Exception as error:  # the boundary, as that of the thread
+            log.exception("recorder failed")
+            self._fail(RecordingError(f"the recorder failed: {error!r}"))
 
     def _flush(self) -> None:
         """Make what was written survive a crash, and see whether there is room for more."""

@@ -173,9 +173,10 @@ def _report(
 
 
 def _digest(items: Sequence[Item]) -> str:
-    """Return a short text that is another one for other prompts or masks."""
+    """Return a short text that is another one for other prompts, pictures or masks."""
     hasher = hashlib.blake2b(digest_size=8)
     for item in items:
         hasher.update(msgspec.json.encode(item.record))
+        hasher.update(item.picture())
         hasher.update(item.mask.read_bytes())
     return hasher.hexdigest()

@@ -11,6 +11,7 @@ import msgspec
 
 from w2c.config import parse
 from w2c.logs import configure_logs
+from w2c_evaluation.embedded import checksum_of_embedded
 from w2c_evaluation.pool import ResultFile
 from w2c_evaluation.results import make_results, origin, write_results
 from w2c_evaluation.scenarios.experiments import EXPERIMENTS, Experiment, find_experiment
@@ -64,7 +65,14 @@ def evaluate(arguments: list[str] | None = None) -> int:
     ).resolve()
     directory.mkdir(parents=True, exist_ok=True)
     configure_logs("scenarios", "info", str(directory))
-    question = {"boxes": config.boxes, "words": config.words}
+    question = {
+        "boxes": config.boxes,
+        "words": config.words,
+        "weights": [
+            checksum_of_embedded("language_service") if config.words == "model" else "",
+            checksum_of_embedded("grounding_service") if config.boxes == "model" else "",
+        ],
+    }
     file = ResultFile(directory / "runs.jsonl", question, RunResult)
     done = {(r.scenario, r.seed): r for r in file.start(resume=config.resume)}
     wanted = [

@@ -211,6 +211,17 @@ def test_what_is_done_is_not_asked_again(dataset: Path, models: Models) -> None:
 
 
 @pytest.mark.usefixtures("no_pictures")
+def test_answers_about_other_pictures_are_refused(dataset: Path, models: Models) -> None:
+    del models
+    assert run(dataset, "--llm", "a.gguf") == 0
+    picture = next((dataset / "images").iterdir())
+    picture.write_bytes(picture.read_bytes() + b"another end")
+
+    with pytest.raises(ConfigError, match="this study asks"):
+        run(dataset, "--llm", "a.gguf", "--resume")
+
+
+@pytest.mark.usefixtures("no_pictures")
 def test_answers_of_an_embedded_model_that_was_trained_anew_since_are_asked_again(
     dataset: Path, models: Models, monkeypatch: pytest.MonkeyPatch
 ) -> None:

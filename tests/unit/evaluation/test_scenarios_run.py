@@ -204,6 +204,9 @@ def test_a_study_goes_on_where_it_was(
     assert "boxes from truth" in capsys.readouterr().out
     with pytest.raises(ConfigError, match="--resume"):
         commands.evaluate(["--scenarios", "a", "--run-directory", str(tmp_path), "--resume"])
+    monkeypatch.setattr(commands, "checksum_of_embedded", lambda service: f"new {service}")
+    with pytest.raises(ConfigError, match="new language_service"):
+        commands.evaluate([*flags, "--seeds", "3", "--resume"])
 
 
 @pytest.mark.parametrize(("rim_px", "meant"), [(1, TABLE_M + 0.05), (4, TABLE_M)])

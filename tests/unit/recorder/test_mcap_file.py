@@ -1,17 +1,17 @@
 """The wire's bytes are written, self-described; nothing is overwritten or half written."""
 
 import json
-import resource
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
 
+from support.disk import file_size_limit
 from support.recordings import MARK_KEY, raw_mark, raw_message, write_recording
 from w2c.bus import RawReceived
 from w2c.errors import RecordingError
 from w2c.messages import MarkRequest
+from w2c_recorder import mcap_file
 from w2c_recorder.mcap_file import McapFile, head_of
 from w2c_recorder.reading import Recording
 
@@ -19,16 +19,6 @@ from w2c_recorder.reading import Recording
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     return tmp_path / "session.mcap"
-
-
-@pytest.fixture
-def file_size_limit() -> Iterator[int]:
-    """Let the system refuse to grow files, which is what a full disk does to a writer."""
-    limit = 200_000
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
-    yield limit
-    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def test_the_bytes_of_the_wire_come_back_with_their_times_and_numbers(path: Path) -> None:
@@ -92,6 +82,25 @@ def test_bytes_that_are_no_envelope_are_recorded_and_counted(path: Path, payload
     assert recorded.publish_time_ns == recorded.log_time_ns == 77
 
 
+def test_more_keys_than_a_file_can_number_are_left_out_and_the_others_go_on(
+    path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(mcap_file, "MOST_CHANNELS", 2)
+    odd = [RawReceived(f"w2c/v1/test/odd/{number}", b"\x80", 1) for number in range(4)]
+    file = write_recording(path, [*odd, odd[0]])
+
+    assert [one.key for one in Recording(path).messages()] == [odd[n].key for n in (0, 1, 0)]
+    assert (file.messages, file.left_out) == (3, 2)
+    assert caplog.text.count("invents keys") == 1
+
+
+def test_a_file_that_cannot_even_begin_leaves_nothing(path: Path) -> None:
+    with file_size_limit(20), pytest.raises(RecordingError, match="after 20 bytes"):
+        McapFile(path, {"robot": "test"})
+
+    assert not path.exists()
+
+
 def test_stamps_that_mcap_cannot_hold_do_not_stop_the_recording(path: Path) -> None:
     message = raw_message(MarkRequest(text="a"), MARK_KEY, sequence=2**40 + 3)
     file = write_recording(path, [message])
@@ -152,27 +161,29 @@ def test_what_was_flushed_is_readable_while_the_file_is_open(path: Path) -> None
     assert not recording.damage.complete
 
 
-def test_a_full_disk_is_an_error_and_what_came_before_is_readable(
-    path: Path, file_size_limit: int
-) -> None:
+def test_a_full_disk_is_an_error_and_what_came_before_is_readable(path: Path) -> None:
+    limit = 200_000
     file = McapFile(path, {}, compression="none")
     text = "x" * 900
     flushed: list[int] = []
 
     def write_without_end() -> None:
-        for sequence in range(file_size_limit):
+        for sequence in range(limit):
             file.write(raw_mark(text, sequence), sequence)
             if sequence % 10 == 9:
                 file.flush()
                 flushed.append(sequence)
 
-    with pytest.raises(RecordingError, match="cannot be written any further"):
+    with (
+        file_size_limit(limit),
+        pytest.raises(RecordingError, match="cannot be written any further"),
+    ):
         write_without_end()
     file.abandon()
 
     found = [recorded.sequence for recorded in Recording(path).messages()]
     assert found == list(range(flushed[-1] + 1))
-    assert path.stat().st_size <= file_size_limit
+    assert path.stat().st_size <= limit
 
 
 def test_the_head_is_read_without_the_message() -> None:

@@ -62,6 +62,18 @@ def test_stop_writes_everything_that_was_queued(
     assert progress.bytes == path.stat().st_size
 
 
+def test_what_a_note_cannot_be_written_for_ends_the_recording_and_not_its_sender(
+    thread: WriterThread, tmp_path: Path
+) -> None:
+    thread.start(tmp_path / "a.mcap")
+    with patch.object(McapFile, "describe", side_effect=KeyError("no such thing")):
+        thread.describe("processes", {})
+
+    assert not thread.progress.recording
+    assert "the recorder failed: KeyError('no such thing')" in thread.progress.error
+    assert not thread.start(tmp_path / "b.mcap").error
+
+
 def test_what_comes_after_a_stop_is_not_waited_for(
     inbox: Inbox, thread: WriterThread, tmp_path: Path
 ) -> None:
