@@ -65,6 +65,13 @@ def is_out_of_memory(error: BaseException) -> bool:
     return isinstance(error, torch.OutOfMemoryError) or "can't allocate memory" in str(error)
 
 
+def is_device_lost(error: BaseException) -> bool:
+    """Return whether a GPU failed so that this process can use it no more: all later calls fail."""
+    import torch
+
+    return isinstance(error, torch.AcceleratorError)
+
+
 def release(device: str) -> None:
     """Give back what torch keeps of a GPU's memory for later."""
     if device.startswith("cuda"):

@@ -8,14 +8,18 @@ import psutil
 from w2c import topics
 from w2c.bus import Bus, CallContext
 from w2c.clock import Clock
-from w2c.errors import RefusedError, UnavailableError, W2CError
+from w2c.errors import ModelError, RefusedError, UnavailableError, W2CError
 from w2c.messages import GroundingReply, GroundingRequest, UseModelReply, UseModelRequest
 from w2c_grounding.batches import BatchQueue
 from w2c_grounding.config import Config
+from w2c_grounding.guard import is_device_lost
 from w2c_grounding.loaded import Load, LoadedModel, another, give_memory_back, load_model
 from w2c_grounding.metrics import Metrics
 from w2c_grounding.registry import load as load_registered
 from w2c_grounding.together import ground_together
+
+LOOK_PERIOD_S = 0.2
+"""Between looks at whether the GPU is still there"""
 
 _LOG = logging.getLogger("w2c.grounding")
 
@@ -48,6 +52,8 @@ class GroundingNode:
         self._model: LoadedModel | None = None
         self._changing = threading.Lock()
         self._loading = ""
+        self._lost = ""
+        """What the GPU failed with, after which this process cannot use it"""
 
     @property
     def queue_length(self) -> int:
@@ -79,8 +85,17 @@ class GroundingNode:
         )
 
     def run(self, stop: threading.Event) -> None:
-        """Wait: the bus's threads and the queue's do the work."""
-        stop.wait()
+        """Wait: the bus's threads and the queue's do the work.
+
+        Raises:
+            ModelError: the GPU failed. Who started this process starts it anew.
+        """
+        while not stop.wait(LOOK_PERIOD_S):
+            if self._lost:
+                raise ModelError(
+                    f"the vision model's device {self._config.device} failed: {self._lost}; this "
+                    "process cannot use it any more and must be started anew"
+                )
 
     def close(self) -> None:
         """Finish the answer that is being made, refuse the rest, let go of the model."""
@@ -119,6 +134,10 @@ class GroundingNode:
         dropped = model.grounder.dropped_boxes
         try:
             return ground_together(model.grounder, requests)
+        except RuntimeError as error:
+            if is_device_lost(error):
+                self._lost = str(error)
+            raise
         finally:
             self._metrics.worked(model.family.take())
             if model.grounder.dropped_boxes > dropped:

@@ -16,7 +16,7 @@ class Device:
 
     torch_device: torch.device
     bf16: bool
-    """Whether products are in bfloat16; sums, weights and optimizer are always float32"""
+    """Whether products are in bfloat16; sums, weights and what the optimizer keeps are float32"""
     name: str
 
     def autocast(self) -> torch.autocast:

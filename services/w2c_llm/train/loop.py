@@ -123,7 +123,7 @@ class Trainer:
         self.recipe = recipe
         self.device = device
         self.progress = Progress()
-        self._optimizer = Optimizer(network, recipe.weight_decay)
+        self._optimizer = Optimizer(network, recipe.weight_decay, bf16=device.bf16)
         self._clock = clock
         self._started_ns = started_ns
         self._earlier_s = 0.0

@@ -2,8 +2,8 @@
 
 The update of a matrix is its momentum with all singular values brought near 1 (Jordan et al. 2024,
 "Muon: an optimizer for hidden layers in neural networks"), by five Newton-Schulz iterations. They
-run in float32: PyTorch's own optimizer of this name multiplies in bfloat16, which processors
-without such an instruction emulate slowly.
+run in bfloat16 only where the processor has it: PyTorch's own optimizer of this name always does,
+which other processors emulate slowly.
 """
 
 from collections import defaultdict
@@ -28,7 +28,10 @@ class Muon(torch.optim.Optimizer):
         lr: float,
         momentum: float = 0.95,
         weight_decay: float = 0.0,
+        *,
+        bf16: bool = False,
     ) -> None:
+        self._products = torch.bfloat16 if bf16 else torch.float32
         super().__init__(matrices, {"lr": lr, "momentum": momentum, "weight_decay": weight_decay})
 
     @torch.no_grad()
@@ -46,7 +49,8 @@ class Muon(torch.optim.Optimizer):
                 update = weight.grad.lerp(momentum, group["momentum"])
                 alike[weight.shape].append((weight, update))
             for shape, pairs in alike.items():
-                updates = orthogonalised(torch.stack([update for _, update in pairs]))
+                stack = torch.stack([update for _, update in pairs])
+                updates = orthogonalised(stack.to(self._products)).to(stack.dtype)
                 rate = group["lr"] * _LIKE_ADAM * max(shape) ** 0.5
                 for (weight, _), update in zip(pairs, updates, strict=True):
                     weight.mul_(1.0 - group["lr"] * group["weight_decay"])
@@ -69,13 +73,15 @@ def orthogonalised(matrices: torch.Tensor) -> torch.Tensor:
 class Optimizer:
     """All weights of a network, one learning rate."""
 
-    def __init__(self, network: Qwen2ForCausalLM, weight_decay: float) -> None:
+    def __init__(
+        self, network: Qwen2ForCausalLM, weight_decay: float, *, bf16: bool = False
+    ) -> None:
         named = dict(network.named_parameters())
         layers = [w for name, w in named.items() if w.ndim == 2 and ".layers." in name]
         tables = [w for name, w in named.items() if w.ndim == 2 and ".layers." not in name]
         vectors = [weight for weight in named.values() if weight.ndim < 2]
         self._parts: tuple[torch.optim.Optimizer, ...] = (
-            Muon(layers, lr=0.0, weight_decay=weight_decay),
+            Muon(layers, lr=0.0, weight_decay=weight_decay, bf16=bf16),
             torch.optim.AdamW(
                 [
                     {"params": tables, "weight_decay": weight_decay},

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from PIL import Image
 
 from fakes.vision import FakeFamily
@@ -18,7 +19,7 @@ from support.waiting import wait_until
 from w2c import topics
 from w2c.bus import InProcessBus, InProcessHub
 from w2c.clock import RealClock
-from w2c.errors import ModelError, RefusedError, UnavailableError
+from w2c.errors import ModelError, RefusedError, RemoteError, UnavailableError
 from w2c.messages import GroundingReply, GroundingRequest, UseModelReply, UseModelRequest
 from w2c_grounding.card import ModelCard
 from w2c_grounding.config import Config
@@ -333,3 +334,27 @@ def test_run_ends_when_told() -> None:
     stop.set()
     worker.join(timeout=5.0)
     assert not worker.is_alive()
+
+
+def test_it_ends_when_its_gpu_has_failed_and_not_when_a_request_has() -> None:
+    running = Running()
+
+    def fail(error: Exception) -> Callable[[], None]:
+        def raise_it() -> None:
+            raise error
+
+        return raise_it
+
+    running.shelf.before_query = fail(RuntimeError("one bad picture"))
+    with pytest.raises(RemoteError):
+        running.ground("cup")
+    stop = threading.Event()
+    threading.Timer(0.5, stop.set).start()
+    running.node.run(stop)
+
+    running.shelf.before_query = fail(torch.AcceleratorError("CUDA error: device-side assert"))
+    with pytest.raises(RemoteError):
+        running.ground("cup")
+    with pytest.raises(ModelError, match=r"failed: CUDA error.*started anew"):
+        running.node.run(threading.Event())
+    running.node.close()
