@@ -5,6 +5,7 @@ preprocessor_config.json), which is what is on the hub.
 """
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,9 @@ _BERT_TOKENS = {0: "[PAD]", 100: "[UNK]", 101: "[CLS]", 102: "[SEP]", 103: "[MAS
 _BERT_TOKENS |= {1012: ".", 1029: "?"}
 
 
-def tiny_grounding_dino(directory: Path, *, mm: bool = False, seed: int = 3) -> Path:
+def tiny_grounding_dino(
+    directory: Path, *, mm: bool = False, seed: int = 3, words: Sequence[str] = WORDS
+) -> Path:
     """Write a GroundingDINO, or an MM-GroundingDINO, for small pictures; return its directory."""
     from transformers import (
         BertConfig,
@@ -49,7 +52,7 @@ def tiny_grounding_dino(directory: Path, *, mm: bool = False, seed: int = 3) -> 
     swin: Any = SwinConfig
     configuration: Any = MMGroundingDinoConfig if mm else GroundingDinoConfig
     tokens = dict(_BERT_TOKENS)
-    tokens |= {1030 + index: word for index, word in enumerate(WORDS)}
+    tokens |= {1030 + index: word for index, word in enumerate(words)}
     tokens |= {1100 + index: f"{index}" for index in range(10)}
     size = max(tokens) + 1
     vocabulary = [tokens.get(index, f"[unused{index}]") for index in range(size)]
