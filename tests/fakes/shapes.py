@@ -80,7 +80,8 @@ def learned_clipseg(directory: Path, seed: int = 1) -> Path:
     for step in range(STEPS):
         pictures = [draw_shapes(rng) for _ in range(BATCH)]
         asked = [[str(text) for text in rng.choice(PHRASES, 3, replace=False)] for _ in pictures]
-        tokens = processor.tokenizer(sum(asked, []), padding=True, return_tensors="pt")
+        phrases = [text for texts in asked for text in texts]
+        tokens = processor.tokenizer(phrases, padding=True, return_tensors="pt")
         seen = features(model, _tensor(pictures))
         logits = decode(model, seen, embed(model, tokens), (step % 2, step // 2 % 2), 2)
         nothing = np.zeros((SIDE, SIDE), bool)
@@ -91,7 +92,7 @@ def learned_clipseg(directory: Path, seed: int = 1) -> Path:
         ]
         wanted = torch.from_numpy(np.stack(masks)).float()[:, step % 2 :: 2, step // 2 % 2 :: 2]
         loss = mask_loss(logits, wanted, torch.ones(len(wanted)))
-        loss.backward()
+        torch.autograd.backward(loss)
         torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
         optimizer.step(3e-3 * min(1.0, (step + 1) / 20, 3.0 * (1.0 - step / STEPS)))
     card = ModelCard(name="shapes", threshold=0.5, vocabulary=sorted([*COLOURS, *SHAPES]))

@@ -1,6 +1,5 @@
 """Vision models that learnt what colours and shapes are called, through the path of public ones."""
 
-from pathlib import Path
 from typing import Any
 
 import cv2
