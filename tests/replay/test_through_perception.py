@@ -83,6 +83,11 @@ def test_what_was_not_recorded_is_skipped_with_the_reason(
     assert not report.values["outputs"][HEIGHTS]["compared"]
 
 
+def alike(count: dict[str, Any]) -> int:
+    """Return how many are equal; on another processor than the recording's, but for rounding."""
+    return int(count["equal"] + count["within"])
+
+
 def losing_first(
     kind: type[CameraFrame | CameraView],
 ) -> Callable[[Recorded], Message | None]:
@@ -102,7 +107,7 @@ def test_a_lost_picture_leaves_the_states_that_were_taken_with_it(
     lose = losing_first(CameraFrame)
     count = through(rewritten(RECORDING, tmp_path / "picture.mcap", lose)).values["outputs"][VIEW]
     assert count["skipped"] == {"the picture is not in the recording": 1}
-    assert count["equal"] == kinds[VIEW] - 1
+    assert alike(count) == kinds[VIEW] - 1
 
 
 def test_after_a_lost_view_nobody_knows_which_states_came_before(
@@ -143,9 +148,9 @@ def test_a_view_without_the_states_around_it_cannot_be_judged_and_others_can(
     )
     count = without_state(tmp_path / "near.mcap", at_picture, 0.001)
     reason = "1 of the states that it was made of are not in the recording"
-    assert (count["equal"], count["differ"]) == (kinds[VIEW] - 1, 0)
+    assert (alike(count), count["differ"]) == (kinds[VIEW] - 1, 0)
     assert count["skipped"] == {reason: 1}
-    assert without_state(tmp_path / "far.mcap", ticks[50])["equal"] == kinds[VIEW]
+    assert alike(without_state(tmp_path / "far.mcap", ticks[50])) == kinds[VIEW]
     assert without_state(tmp_path / "moved.mcap", ticks[50], 0.001)["differ"] == 1
 
 

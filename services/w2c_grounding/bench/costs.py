@@ -139,7 +139,7 @@ def measure(question: Question, load: Load = load_registered) -> Costs | None:
         load_s,
         spent,
         memory_mb,
-        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6,  # of KiB
         _peak_device_mb(question.device),
     )
 
