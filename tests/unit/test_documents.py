@@ -36,6 +36,7 @@ CONTROL = ROOT / "docs" / "results" / "control.json"
 LANGUAGE = ROOT / "docs" / "results" / "language.json"
 GROUNDING = ROOT / "docs" / "results" / "grounding.json"
 RECORDING = ROOT / "docs" / "results" / "recording.json"
+DEMO_KILLS = ROOT / "docs" / "results" / "recording_demo_kills.json"
 UNDERSTANDING = ROOT / "docs" / "results" / "understanding.json"
 CORRECTIONS = ROOT / "docs" / "results" / "corrections.json"
 VOICES = tuple(f".{msgspec.json.decode(line, type=HeldOut).voice}" for line in read_questions([]))
@@ -79,6 +80,10 @@ TABLES: dict[str, tuple[Path, Callable[[], str]]] = {
         lambda: grounding_table(json.loads(GROUNDING.read_text())),
     ),
     "understanding": (ROOT / "docs" / "how-to" / "benchmarks.md", understanding_table),
+    "recording_demo_kills": (
+        ROOT / "docs" / "how-to" / "recordings.md",
+        lambda: results_table(json.loads(DEMO_KILLS.read_text())),
+    ),
     "recording": (
         ROOT / "docs" / "how-to" / "recordings.md",
         lambda: results_table(json.loads(RECORDING.read_text())),
