@@ -26,6 +26,8 @@ NAMES = {
 }
 SUPPORT = {"book": "carries", "toolbox": "carries", "cloth": "carries", "mug": "fragile"}
 COLOURS = {"red": (200, 30, 30), "green": (30, 160, 50), "blue": (30, 60, 200), "black": (20,) * 3}
+UNSEEN_COLOUR = "green"
+"""Of things of which it is said that no training shows them"""
 TABLE_ID = 1
 
 
@@ -119,7 +121,7 @@ def _truth(number: int, thing: Lying, foot: float, identity: Any) -> dict[str, A
         "names": list(names),
         "phrases": [*names, *(f"{thing.colour} {name}" for name in names)],
         "own_phrases": [],
-        "held_out": False,
+        "held_out": thing.colour == UNSEEN_COLOUR,
         "held_out_kind": thing.kind == "plate",
         "held_out_material": False,
         "box": [int(min(columns)), int(min(rows)), int(max(columns)) + 1, int(max(rows)) + 1],

@@ -33,6 +33,9 @@ class Make(msgspec.Struct, frozen=True, kw_only=True):
     """The same seed gives the same prompts and masks; another one shows other scenes."""
     count: Annotated[int, msgspec.Meta(ge=2, le=1000)] = 78
     """Number of pictures."""
+    unseen: bool = False
+    """Ask for things of kinds, materials and colours that no training shows; else for none of
+    them, though they stand among the others."""
 
 
 class Check(msgspec.Struct, frozen=True, kw_only=True):
@@ -65,7 +68,7 @@ def _make(options: Make) -> int:
     folder = Folder(options.out, SIZE)
     try:
         for made in track(
-            fill(pictures, options.seed, options.count),
+            fill(pictures, options.seed, options.count, unseen=options.unseen),
             "pictures",
             total=options.count,
             console=console,

@@ -69,10 +69,10 @@ class Made:
     offer: Offer
 
 
-def fill(pictures: Pictures, seed: int, count: int) -> Iterator[Made]:
+def fill(pictures: Pictures, seed: int, count: int, *, unseen: bool = False) -> Iterator[Made]:
     """Yield a picture for each slot, in the order in which they are found.
 
-    The same seed gives the same ones.
+    The same seed gives the same ones. `unseen` as for `offer`.
 
     Raises:
         ConfigError: the scenes of a seed were not enough.
@@ -81,7 +81,7 @@ def fill(pictures: Pictures, seed: int, count: int) -> Iterator[Made]:
     first = FIRST_SCENE + SCENES_PER_BENCHMARK * seed
     scene, from_stock = first, 0
     while open_slots and scene < first + SCENES_PER_BENCHMARK:
-        made = _try(pictures, scene, open_slots)
+        made = _try(pictures, scene, open_slots, unseen)
         if made is not None:
             open_slots.remove(made.slot)
             from_stock += 1
@@ -96,7 +96,7 @@ def fill(pictures: Pictures, seed: int, count: int) -> Iterator[Made]:
         )
 
 
-def _try(pictures: Pictures, seed: int, open_slots: list[Slot]) -> Made | None:
+def _try(pictures: Pictures, seed: int, open_slots: list[Slot], unseen: bool) -> Made | None:
     """Return the first open slot that a scene can fill; None where it fills none."""
     scene = pictures.scene(seed)
     fit = [slot for slot in open_slots if _may_fill(scene, slot)]
@@ -111,7 +111,7 @@ def _try(pictures: Pictures, seed: int, open_slots: list[Slot]) -> Made | None:
         if slot.look != look or like in tried:
             continue
         tried.add(like)
-        found = offer(sight, slot, np.random.default_rng([seed, slot.number, 41]))
+        found = offer(sight, slot, np.random.default_rng([seed, slot.number, 41]), unseen=unseen)
         if found is not None:
             return Made(slot, seed, sight, _stage(scene), found)
     return None

@@ -47,12 +47,25 @@ class Offer:
     distractors: int
 
 
-def offer(sight: Sight, slot: Slot, rng: np.random.Generator) -> Offer | None:
-    """Return a prompt of a slot about a picture; None where there is none."""
+def offer(
+    sight: Sight, slot: Slot, rng: np.random.Generator, *, unseen: bool = False
+) -> Offer | None:
+    """Return a prompt of a slot about a picture; None where there is none.
+
+    Args:
+        sight: The picture.
+        slot: What the prompt shall be.
+        rng: Source of chance.
+        unseen: The first thing is one that no training shows; else none of the things is.
+    """
     clear = sight.clear()
     whole = [thing for thing in clear if not (sight.cut_off(thing) or sight.hidden(thing))]
+    if not unseen:
+        whole = [thing for thing in whole if not thing.never_trained_on]
     for index in rng.permutation(len(whole)):
         thing = whole[int(index)]
+        if unseen and not thing.never_trained_on:
+            continue
         if slot.pair and not has_twin(thing, clear):
             continue
         name = _choose_name(namings(thing, sight.seen()), slot, rng)

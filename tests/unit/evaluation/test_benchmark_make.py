@@ -52,6 +52,17 @@ def test_every_slot_gets_what_it_asked_for(made: list[Made]) -> None:
         assert on_things.all() if inside else not on_things.any()
 
 
+def test_what_no_training_shows_is_asked_for_only_where_that_is_wanted(made: list[Made]) -> None:
+    everything = {thing.never_trained_on for one in made for thing in one.sight.clear()}
+    assert everything == {True, False}
+    assert not any(thing.never_trained_on for one in made for thing in one.offer.things)
+
+    unseen = list(fill(FlatWorld(), 3, COUNT, unseen=True))
+    assert len(unseen) == COUNT
+    assert all(one.offer.things[0].never_trained_on for one in unseen)
+    assert any(not one.offer.things[-1].never_trained_on for one in unseen)
+
+
 def test_scenes_are_for_judging_and_none_is_used_twice(made: list[Made]) -> None:
     scenes = [one.scene for one in made]
 
