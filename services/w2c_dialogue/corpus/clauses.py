@@ -33,6 +33,17 @@ look/looking/at the stars/through, wrap/wrapping/the presents/in, hold/holding/t
 """)
 )
 """Verb, the same with -ing, object, preposition"""
+_BARE_USES = tuple(
+    tuple(use.split("/"))
+    for use in names("""
+drink/drinking/from, drink/drinking/out of, eat/eating/from, eat/eating/off, write/writing/with,
+write/writing/in, draw/drawing/with, play/playing/with, sit/sitting/on, stand/standing/on,
+sleep/sleeping/on, dig/digging/with, cut/cutting/with, cook/cooking/in, cook/cooking/with,
+hammer/hammering/with, read/reading/from, clean/cleaning/with, sweep/sweeping/with, type/typing/on,
+swim/swimming/in, dry off/drying off/with, tidy up/tidying up/with, climb/climbing/on
+""")
+)
+"""The same without an object"""
 _DOES = names("""
 keeps the door open, lights the room, tells the time, holds the books up, makes the noise, stops the
 papers flying away, holds the lid down, keeps the soup hot, cools the room, makes the toast, opens
@@ -66,6 +77,15 @@ def use_phrase(draw: Draw) -> str:
         return f"{head} {draw.pick(_HAS)}"
     if roll < 0.5:
         return f"{head} {draw.pick(('that', 'that', 'which'))} {draw.pick(_DOES)}"
+    if roll < 0.6:
+        verb, doing, preposition = draw.pick(_BARE_USES)
+        return draw.pick(
+            (
+                f"{head} to {verb} {preposition}",
+                f"{head} {draw.pick(_WHO)} {verb} {preposition}",
+                f"{head} for {doing}",
+            )
+        )
     verb, doing, what, preposition = draw.pick(_USES)
     return draw.pick(
         (

@@ -235,7 +235,7 @@ def _edge(draw: Draw, a: str, things: dict[str, str]) -> Correction:
 def _beside(draw: Draw, a: str, things: dict[str, str]) -> Correction:
     phrases, du, dv = locations.SIDES[draw.pick(tuple(locations.SIDES))]
     said = draw.pick(phrases)
-    size = "0.5*{}"
+    size = locations.USUAL
     if draw.chance(0.2):
         length, size = locations.distance(draw)
         said = f"{length} {said}"

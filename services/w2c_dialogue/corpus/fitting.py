@@ -22,7 +22,7 @@ CLOSE = 3.0
 """A point is explained by an expression that comes this near in u and in v [px]"""
 APART = 6.0
 """...and by no other of which some comes this near: the person may not have been exact [px]"""
-_SIZES = ("0.25*{}", "0.5*{}", "1.5*{}")
+_SIZES = (locations.CLOSE, locations.USUAL, locations.DISTANT)
 _SHARES = ("0.25", "0.5", "0.75")
 _TIMES = ("0.5", "", "1.5", "2", "3")
 

@@ -14,9 +14,7 @@ from w2c.errors import ConfigError
 from w2c_dialogue.corpus import locations
 from w2c_dialogue.corpus.measures import BODY
 
-HALF = "0.5*{}"
-"""The distance where none is said, a share of the size of the object"""
-AMOUNTS = {"close": "0.25*{}", "far": "1.5*{}"}
+AMOUNTS = {"close": locations.CLOSE, "far": locations.DISTANT}
 UNITS = {"cm": "{}*cm", "mm": "0.1*{}*cm", "inch": "2.54*{}*cm", "px": "{}", **BODY}
 CORNERS = {
     "topleft": (-1, -1), "topright": (1, -1), "bottomleft": (-1, 1), "bottomright": (1, 1),
@@ -82,7 +80,7 @@ def _letter(text: str) -> str:
 
 def _amount(arguments: Sequence[str]) -> str:
     if len(arguments) < 2:
-        return HALF
+        return locations.USUAL
     return AMOUNTS[arguments[1]] if arguments[1] in AMOUNTS else length(arguments[1])
 
 

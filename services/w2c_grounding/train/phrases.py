@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from w2c_grounding.train.data import SIZES, ObjectTruth, PictureTruth
+from w2c_grounding.train.uses import EVERY_USE, fitting_kinds, is_use, possible_kinds, uses_of
 from w2c_grounding.wording import words
 
 FRAMES = ("{}", "{}", "{}", "the {}", "the {}", "a {}", "my {}", "that {}")
@@ -45,13 +46,13 @@ class Question:
     identities: tuple[int, ...]
 
 
-PhraseKind = Literal["name", "synonym", "colour", "material", "size", "part", "any", "pair"]
-"""How a phrase says which thing it means; `any` names no kind, as `the red thing` does, and `pair`
-tells one of two of a kind from the other by any of the attributes"""
+PhraseKind = Literal["name", "synonym", "colour", "material", "size", "part", "any", "use", "pair"]
+"""How a phrase says which thing it means; `any` names no kind, as `the red thing` does, `use` says
+what it is for, and `pair` tells one of two of a kind from the other by any of the attributes"""
 
 SHARES: dict[PhraseKind, float] = {
-    "name": 0.30, "synonym": 0.15, "colour": 0.15, "material": 0.10, "size": 0.06, "part": 0.06,
-    "any": 0.06, "pair": 0.12,
+    "name": 0.24, "synonym": 0.14, "colour": 0.14, "material": 0.10, "size": 0.06, "part": 0.06,
+    "any": 0.06, "use": 0.12, "pair": 0.12,
 }  # fmt: skip
 """How often each is asked in training, where it can be"""
 PART_START = "thing with the "
@@ -69,6 +70,9 @@ COLOUR_WORDS = frozenset(
 
 def fitting(truth: PictureTruth, phrase: str) -> tuple[int, ...]:
     """Return the ids of the objects that a bare phrase fits."""
+    if is_use(phrase):
+        kinds = fitting_kinds(phrase)
+        return tuple(item.id for item in truth.objects if item.kind in kinds)
     spoken = words(phrase)
     if spoken[-1] in NOUNS_OF_ANYTHING and len(spoken) > 1:
         return tuple(
@@ -120,7 +124,14 @@ def phrases_by_kind(truth: PictureTruth, item: ObjectTruth) -> dict[PhraseKind, 
     if not any(_close(item.colour, o.colour) and item.colour != o.colour for o in truth.objects):
         found["any"].append(f"{item.colour} thing")
     found["any"] += [f"{word} thing" for word in sorted(material_words(item))]
+    found["use"] = [text for text in uses_of(item.kind) if _is_clear(truth, text)]
     return {kind: texts for kind, texts in found.items() if texts}
+
+
+def _is_clear(truth: PictureTruth, use: str) -> bool:
+    """Tell whether nothing in the picture only might be meant by a phrase of use."""
+    doubtful = possible_kinds(use) - fitting_kinds(use)
+    return not any(item.kind in doubtful for item in truth.objects)
 
 
 def could_fit(truth: PictureTruth, phrase: str) -> bool:
@@ -128,6 +139,9 @@ def could_fit(truth: PictureTruth, phrase: str) -> bool:
 
     Then it is no negative example. The head noun decides: a cereal box is a box too.
     """
+    if is_use(phrase):
+        kinds = possible_kinds(phrase)
+        return any(item.kind in kinds for item in truth.objects)
     spoken = words(phrase)
     if phrase.startswith(PART_START):
         return any(_could_have_part(item, phrase) for item in truth.objects)
@@ -235,8 +249,10 @@ class Asker:
         if chance < 0.80 and truth.objects:
             item = truth.objects[int(rng.integers(len(truth.objects)))]
             return f"{self._attribute(rng)} {_one(item.names, rng)}"
-        if chance < 0.85 and self._parts:
+        if chance < 0.84 and self._parts:
             return _one(self._parts, rng)
+        if chance < 0.88:
+            return _one(EVERY_USE, rng)
         nouns = self.names if chance < 0.95 else NOUNS_OF_ANYTHING
         return f"{self._attribute(rng)} {_one(nouns, rng)}"
 
@@ -284,10 +300,16 @@ def invented_word(rng: np.random.Generator) -> str:
 
 
 def vocabulary_of(truths: Iterable[PictureTruth]) -> list[str]:
-    """Return the words that named something in a picture, in alphabetical order."""
-    phrases = {text for truth in truths for item in truth.objects for text in item.phrases}
-    named = {word for phrase in phrases for word in words(phrase)}
-    return sorted(named.union(NOUNS_OF_ANYTHING)) if named else []
+    """Return the words that named something in a picture, in alphabetical order.
+
+    The dog of "thing a dog fetches" is in none: it stays a word that the model does not know.
+    """
+    items = [item for truth in truths for item in truth.objects]
+    named = {word for item in items for text in item.phrases for word in words(text)}
+    uses = {text for kind in {item.kind for item in items} for text in uses_of(kind)}
+    foreign = {word for noun in FOREIGN for word in words(noun)}
+    said = {word for text in uses for word in words(text)} - foreign
+    return sorted(named.union(said, NOUNS_OF_ANYTHING)) if named else []
 
 
 def tokenizer_words(vocabulary: Sequence[str]) -> list[str]:

@@ -15,6 +15,7 @@ from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import check_directory, load
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import truth_files
+from w2c_grounding.train.growth import with_words
 from w2c_grounding.train.model import Size, new_model, new_processor, read, save
 from w2c_grounding.train.phrases import tokenizer_words, vocabulary_of
 from w2c_grounding.train.pictures import Pictures, digest, open_pictures
@@ -82,10 +83,13 @@ class Run:
         pictures = open_pictures(used, size.image, task.out / "pictures", task.threads)
         watched = open_pictures(kept, size.image, task.out / "pictures" / "kept", task.threads)
         vocabulary = sorted({*vocabulary, *vocabulary_of(pictures.truths)})
+        spoken = tokenizer_words(vocabulary)
         if model is None:
-            processor = new_processor(size, tokenizer_words(vocabulary))
+            processor = new_processor(size, spoken)
             model = new_model(size, len(processor.tokenizer))
             start_tower(model, size, _some(pictures))
+        else:
+            model, processor = with_words(model, processor, size, spoken)
         plan = self._plan()
         trainer = Trainer(model, processor, pictures, size, plan, self._clock, self._started_ns)
         identity = {

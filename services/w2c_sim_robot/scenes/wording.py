@@ -11,6 +11,8 @@ from w2c_sim_robot.scenes.scene import SceneObject
 
 OTHER_SIZE_RATIO = 1.25
 """From here on people see that two of a kind differ in size"""
+CONTENTS = frozenset({"nails", "soap", "milk", "pencils"})
+"""Names of what is inside: it is not of the material of the thing, nor of its size"""
 
 
 def length_of(size: Size) -> float:
@@ -26,17 +28,19 @@ def parts_of(item: SceneObject) -> tuple[str, ...]:
 def phrases_in(item: SceneObject, scene: Sequence[SceneObject]) -> tuple[str, ...]:
     """Return every phrase that fits a thing among those of its scene.
 
-    Names; with colour, material, or both; `large` and `small` among others of its kind; and a part
-    of another material, as in `the thing with the wooden handle`.
+    Names; each with colour, material, or both; `large` and `small` among others of its kind; and a
+    part of another material, as in `the thing with the wooden handle`.
     """
     phrases = list(item.phrases())
-    usual = item.names[0]
+    names = [name for name in item.names if name not in CONTENTS]
     if item.material in FINISHES:
         word = adjective(item.material)
-        phrases += [f"{word} {usual}", f"{item.colour} {word} {usual}"]
+        for name in names:
+            phrases += [f"{word} {name}", f"{item.colour} {word} {name}"]
     size = size_word(item, scene)
     if size:
-        phrases += [f"{size} {usual}", f"{size} {item.colour} {usual}"]
+        for name in names:
+            phrases += [f"{size} {name}", f"{size} {item.colour} {name}"]
     for part in shape_of(item).parts:
         if part.name and part.material in FINISHES:
             phrases.append(f"thing with the {adjective(part.material)} {part.name}")

@@ -29,7 +29,10 @@ from w2c_grounding.train.phrases import (
     vocabulary_of,
 )
 from w2c_grounding.train.pictures import open_pictures
+from w2c_grounding.train.uses import EVERY_USE, fitting_kinds, possible_kinds, uses_of
 from w2c_grounding.wording import words
+from w2c_sim_robot.scenes.held_out import HELD_OUT_KINDS
+from w2c_sim_robot.scenes.objects.catalogue import KINDS
 
 
 def thing(number: int, kind: str, colour: str, *names: str, pixels: int = 5000) -> ObjectTruth:
@@ -277,7 +280,32 @@ def test_an_empty_picture_is_asked_only_for_what_is_absent() -> None:
     assert [question.identities for question in questions] == [()] * 4
 
 
+def test_uses_fit_kinds_and_are_no_negative_examples_of_what_may_be_meant() -> None:
+    lone = scene(thing(1, "mug", "red", "cup"), thing(2, "hammer", "blue", "hammer"))
+    drink, hit = "thing to drink from", "thing to hit nails with"
+    assert drink in phrases_by_kind(lone, lone.objects[0])["use"]
+    assert fitting(lone, drink) == (1,)
+    assert fitting(lone, hit) == (2,)
+    # One may drink from a bottle, but nobody is asked for it in these words.
+    doubtful = scene(thing(1, "mug", "red", "cup"), thing(2, "bottle", "green", "bottle"))
+    assert drink not in phrases_by_kind(doubtful, doubtful.objects[0]).get("use", ())
+    assert could_fit(scene(doubtful.objects[1]), drink)
+    assert not could_fit(scene(lone.objects[1]), drink)
+
+
+def test_every_use_is_of_kinds_that_there_are_and_of_none_that_is_kept_for_judging() -> None:
+    for phrase in EVERY_USE:
+        assert possible_kinds(phrase) <= set(KINDS)
+        assert fitting_kinds(phrase).isdisjoint(HELD_OUT_KINDS)
+        assert all(phrase in uses_of(kind) for kind in fitting_kinds(phrase))
+    assert len(EVERY_USE) > 500
+
+
 def test_the_vocabulary_names_things_and_nothing_foreign() -> None:
+    assert "dog" in {word for use in EVERY_USE for word in words(use)}
+    ball = vocabulary_of([scene(thing(1, "ball", "red", "ball"))])
+    assert {"ball", "play"} <= set(ball)
+    assert "dog" not in ball
     vocabulary = vocabulary_of([TABLE])
     assert {"book", "cup", "cereal", "red"} <= set(vocabulary)
     assert not set(vocabulary) & {word for noun in FOREIGN for word in words(noun)}

@@ -10,6 +10,7 @@ from w2c_sim_robot.scenes import scene as scenes
 from w2c_sim_robot.scenes.objects.catalogue import make_object
 from w2c_sim_robot.scenes.scenario_a import BOOK_SIZE, random_layout, scenario_a
 from w2c_sim_robot.scenes.scene import Instruction, Light, Scene
+from w2c_sim_robot.scenes.wording import phrases_in
 
 LAMP = Light(position=(0.0, 0.0, 3.0), direction=(0.0, 0.0, -1.0))
 
@@ -69,6 +70,19 @@ def test_phrases_name_an_object_with_and_without_colour() -> None:
     phrases = make_object("mug", "red", (0.0, 0.0, 0.0)).phrases()
 
     assert phrases == ("cup", "mug", "red cup", "red mug", "ceramic cup")
+
+
+def test_material_and_size_are_said_with_every_name_of_the_thing_but_not_of_what_is_in_it() -> None:
+    shoe = make_object("shoe", "red", (0.0, 0.0, 0.0), material="leather", name="shoe_0")
+    small = make_object("shoe", "red", (1.0, 0.0, 0.0), size=(0.1, 0.05, 0.05), name="shoe_1")
+    nails = make_object("nail_box", "blue", (2.0, 0.0, 0.0))
+    scene = (shoe, small, nails)
+
+    assert {"leather sneaker", "red leather trainer", "large sneaker", "large red trainer"} <= set(
+        phrases_in(shoe, scene)
+    )
+    assert {"cardboard box of nails", "blue nails"} <= set(phrases_in(nails, scene))
+    assert "cardboard nails" not in phrases_in(nails, scene)
 
 
 def test_the_pose_turns_about_the_vertical() -> None:
