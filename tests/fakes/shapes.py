@@ -44,6 +44,11 @@ class Shapes:
     masks: dict[str, npt.NDArray[np.bool_]]
     """Phrase -> (SIDE, SIDE), of what is there"""
 
+    def edges(self, phrase: str) -> tuple[int, int, int, int]:
+        """Return left, top, right and bottom of a thing [px]."""
+        rows, columns = np.nonzero(self.masks[phrase])
+        return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
 
 def draw_shapes(rng: np.random.Generator) -> Shapes:
     """Draw things that do not touch each other, on a plain ground."""

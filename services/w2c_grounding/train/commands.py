@@ -42,7 +42,7 @@ class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """A checkpoint directory of this command to begin with: its size, its words, its weights."""
     resume: bool = False
     """Go on from OUT/state.pt."""
-    name: str = "w2c-clipseg-2"
+    name: str = "w2c-clipseg-3"
     """Of the model, in its card and its replies."""
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     """Of products; auto = bfloat16 where the processor has it."""

@@ -46,7 +46,7 @@ class Task:
     rate: float | None = None
     begin_with: Path | None = None
     resume: bool = False
-    name: str = "w2c-clipseg-2"
+    name: str = "w2c-clipseg-3"
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     size: Size = field(default_factory=Size)
     plan: Plan = field(default_factory=Plan)
