@@ -64,6 +64,10 @@ def spans_schema(utterance: Utterance) -> dict[str, object]:
     return {"type": "array", "items": items, "minItems": 0, "maxItems": len(LETTERS)}
 
 
+_OUT_OF = ["out", "of"]
+"""`thing to drink out of`"""
+
+
 def naming_spans(utterance: Utterance) -> list[Span]:
     """Return the spans that may name a thing, in order."""
     words = [word.rstrip(",") for word in utterance.folded]
@@ -72,7 +76,7 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         for first in range(len(words))
         for last in range(first, min(first + MAX_SPAN_WORDS, len(words)))
         if words[first] not in NEVER_FIRST
-        and words[last] not in NEVER_LAST
+        and (words[last] not in NEVER_LAST or words[first + 1 : last + 1][-2:] == _OUT_OF)
         and not NO_NAMES.issuperset(words[first : last + 1])
     ]
 
