@@ -16,8 +16,8 @@ from fakes.shapes import COLOURS, PHRASES, SHAPES, SIDE, Shapes, draw_shapes
 from fakes.tiny_models import tiny_grounding_dino
 
 STEPS = 6000
-BATCH = 6
-RATE = 1e-3
+BATCH = 8
+RATE = 2e-3
 PRESENT_SHARE = 0.75
 
 

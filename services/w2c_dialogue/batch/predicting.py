@@ -64,13 +64,20 @@ class Predicting:
         self._grounding = grounding
         self._prompts = ablated(PROMPT_SETS[prompts](), ablation)
 
-    def predict(self, text: str, picture: bytes, size: tuple[int, int]) -> Predicted:
+    def predict(
+        self,
+        text: str,
+        picture: bytes,
+        size: tuple[int, int],
+        pixels_per_cm: float = DEFAULT_PIXELS_PER_CM,
+    ) -> Predicted:
         """Return the point that an instruction names.
 
         Args:
             text: The instruction.
             picture: JPEG or PNG.
             size: Its width and height [px].
+            pixels_per_cm: How long a centimetre looks at the first thing, where that is known.
 
         Raises:
             CallError: a service cannot be asked. What it refuses, or fails at, is told in the
@@ -79,13 +86,15 @@ class Predicting:
         answer = Predicted()
         frame = Frame(0, size[0], size[1], picture)
         try:
-            self._follow(parse(text), frame, answer)
+            self._follow(parse(text), frame, pixels_per_cm, answer)
         except (RefusedError, RemoteError, DeadlineError, ModelError) as error:
             answer.failed = answer.steps[-1] if answer.steps else "selector"
             answer.reason = str(error)
         return answer
 
-    def _follow(self, utterance: Utterance, frame: Frame, answer: Predicted) -> None:
+    def _follow(
+        self, utterance: Utterance, frame: Frame, pixels_per_cm: float, answer: Predicted
+    ) -> None:
         answer.steps.append("selector")
         selection = select(self._model, self._prompts, utterance, has_target=False)
         answer.module = selection.module
@@ -112,7 +121,7 @@ class Predicting:
                 utterance=utterance,
                 mentions=mentions,
                 evidence=settled,
-                pixels_per_cm=DEFAULT_PIXELS_PER_CM,
+                pixels_per_cm=pixels_per_cm,
             )
         answer.point = prediction.u, prediction.v
 

@@ -146,6 +146,7 @@ def record_of(made: Made) -> Record:
         position=made.slot.position,
         image=f"{IMAGES}/{name}.jpg",
         mask=f"{MASKS}/{name}.png",
+        px_per_cm=round(made.sight.pixels_per_cm(found.things[0]), 2),
         things=things,
         origin=Origin(
             scene=made.scene,

@@ -70,6 +70,8 @@ class Record(msgspec.Struct, frozen=True, kw_only=True):
     """Path inside the folder; "" = images/ID with any usual suffix"""
     mask: str = ""
     """Path inside the folder; "" = masks/ID with any usual suffix"""
+    px_per_cm: Annotated[float, msgspec.Meta(gt=0, le=1000)] = 10.0
+    """How long a centimetre looks at the first thing: what a camera with depth would tell"""
     things: tuple[NamedThing, ...] | None = None
     """In order of mention; None = not known, so that errors cannot be told apart as finely"""
     origin: Origin | None = None

@@ -138,6 +138,11 @@ class Sight:
         left, top, right, bottom = thing.edges
         return bool((right - left) * (bottom - top) < LEAST_SEEN * np.ptp(u) * np.ptp(v))
 
+    def pixels_per_cm(self, thing: Thing) -> float:
+        """Return how long a centimetre looks where a thing is."""
+        middle = thing.corners.mean(axis=0) - self.world_from_camera[:3, 3]
+        return 0.01 * self.intrinsics[0] / float(middle @ self.world_from_camera[:3, 2])
+
     def free_surface(self, height_m: float, tolerance_m: float = 0.015) -> Mask:
         """Return where the level surface of a height is seen, with nothing on it (h, w)."""
         level = np.abs(self.world[:, :, 2] - height_m) < tolerance_m

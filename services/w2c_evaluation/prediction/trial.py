@@ -107,15 +107,16 @@ def ask(predicting: Any, combination: Combination, item: Item, repetition: int) 
     """Return what becomes of one prompt."""
     mask = item.accepted()
     height, width = mask.shape
-    predicted = predicting.predict(item.record.prompt, item.picture(), (width, height))
+    record = item.record
+    predicted = predicting.predict(record.prompt, item.picture(), (width, height), record.px_per_cm)
     hit = accepts(mask, predicted.point)
     return Answer(
         models=combination.names,
         digest=combination.digest,
         repetition=repetition,
-        id=item.record.id,
+        id=record.id,
         hit=hit,
-        error="" if hit else first_error(item.record, predicted),
+        error="" if hit else first_error(record, predicted),
         reason=predicted.reason,
         point=predicted.point,
         position=predicted.position,

@@ -49,7 +49,7 @@ def _plan(options: argparse.Namespace) -> TrainingPlan:
         output=options.out,
         minutes=options.minutes,
         steps=options.steps,
-        begin_with=options.from_,
+        begin_with=tuple(options.from_),
         dialogues=options.with_,
         dialogues_share=options.with_share,
         shape=Shape(options.layers, options.width, options.feed_forward, options.vocabulary),
@@ -95,8 +95,11 @@ def _parser() -> argparse.ArgumentParser:
         "--from",
         dest="from_",
         type=Path,
+        nargs="+",
+        default=(),
         metavar="FILE",
-        help="begin with the weights and the tokenizer of a GGUF file or a checkpoint",
+        help="begin with the weights and the tokenizer of a GGUF file or a checkpoint; of several, "
+        "with the mean of their weights",
     )
     parser.add_argument(
         "--with",

@@ -30,8 +30,8 @@ class TrainingPlan:
     output: Path
     minutes: float = 60.0
     steps: int | None = None
-    begin_with: Path | None = None
-    """GGUF file or checkpoint; None = random weights"""
+    begin_with: tuple[Path, ...] = ()
+    """GGUF files or checkpoints, whose mean it begins with; none = random weights"""
     dialogues: Path | None = None
     dialogues_share: float = 0.2
     """Of the examples of every epoch"""

@@ -19,7 +19,7 @@ from w2c_llm.train.device import Device, best_device
 from w2c_llm.train.export import Card, export_gguf
 from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
 from w2c_llm.train.network import NetworkSize, make_network
-from w2c_llm.train.origin import Origin, read_origin
+from w2c_llm.train.origin import Origin, read_origin, read_origins
 from w2c_llm.train.plan import Shape, TrainingPlan, TrainingResult
 from w2c_llm.train.scoring import exact_matches, match_rates
 from w2c_llm.train.tokenizer import EncodedExample, train_tokenizer
@@ -107,7 +107,7 @@ class Run:
             "--seed": str(plan.seed),
             "--batch": str(plan.batch),
             "--with": "nothing",
-            "--from": digest(plan.begin_with) if plan.begin_with else "nothing",
+            "--from": " ".join(digest(path) for path in plan.begin_with) or "nothing",
         }
         if plan.dialogues is not None:
             identity["--with"] = f"{sources[1].digest}, a share of {plan.dialogues_share:g}"
@@ -129,8 +129,8 @@ class Run:
         plan, shape = self._plan, self._plan.shape
         if kept is not None:
             origin, source = read_origin(self._checkpoint_path), self._checkpoint_path
-        elif plan.begin_with is not None:
-            origin, source = read_origin(plan.begin_with), plan.begin_with
+        elif plan.begin_with:
+            origin, source = read_origins(plan.begin_with), plan.begin_with[0]
         else:
             tokenizer = self._new_tokenizer(corpus)
             width = shape.width or _WIDTH
@@ -235,7 +235,7 @@ class Run:
             weights=plan.weights,
             megabytes=path.stat().st_size / 1e6,
             data=tuple(_describe(source) for source in sources),
-            origin=plan.begin_with.name if plan.begin_with else "random weights",
+            origin=_name_origins(plan.begin_with),
             recipe=f"Muon and AdamW, cosine from {plan.rate:g}, batches of {plan.batch}",
             examples_seen=progress.examples,
             epochs=progress.examples / len(mixture.order),
@@ -280,6 +280,13 @@ def _expect_shape(path: Path, origin: Origin, wanted: Shape) -> None:
                 f"{flag} is {value}, {path} has {getattr(found, name)}: its weights and its "
                 f"tokenizer belong together; leave {flag} out"
             )
+
+
+def _name_origins(paths: Sequence[Path]) -> str:
+    names = [path.name for path in paths]
+    if len(names) > 1:
+        return f"the mean of {' and '.join(names)}"
+    return names[0] if names else "random weights"
 
 
 def _describe(source: Source) -> str:

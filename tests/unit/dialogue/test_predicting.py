@@ -41,6 +41,16 @@ def test_relative_to_a_thing_is_the_models_arithmetic_on_its_box() -> None:
     assert found.position == "relative"
 
 
+def test_centimetres_are_as_long_as_was_said() -> None:
+    model = ScriptedModel(
+        select=["prediction"], analyze=[RELATIVE], relative=[{"x": "a.left-5*cm", "y": "a.v"}]
+    )
+    predicting = Predicting(model, KnownThings(**THINGS))
+    found = predicting.predict("left of the cup", b"picture", (1280, 720), 8.0)
+
+    assert found.point == (560.0, 350.0)
+
+
 def test_of_several_things_the_best_is_taken_and_it_says_so() -> None:
     found = predict(things={"book": [BOOK, CUP]})
 

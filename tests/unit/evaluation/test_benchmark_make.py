@@ -85,6 +85,9 @@ def test_the_folder_reads_back_sound_and_says_its_figures(folder: Path) -> None:
     }
     assert (folder / "sheet.jpg").stat().st_size > 1000
     for item in items:
+        # The things are seen from 1.2 m (on the table) or 2 m above their foot, in their middle.
+        height = 2.0 if item.record.origin.stage == "floor" else 1.2  # type: ignore[union-attr]
+        assert item.record.px_per_cm == pytest.approx(0.01 * 200.0 / (height - 0.02), abs=0.02)
         assert item.record.things is not None
         assert all(thing.words in item.record.prompt for thing in item.record.things)
 

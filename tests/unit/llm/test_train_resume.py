@@ -2,6 +2,7 @@
 
 import os
 import signal
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ from w2c_llm.train.interruption import interruptible
 from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
 from w2c_llm.train.network import NetworkSize, make_network
 from w2c_llm.train.optimizer import orthogonalised
-from w2c_llm.train.origin import read_origin
+from w2c_llm.train.origin import read_origin, read_origins
 from w2c_llm.train.plan import Shape, TrainingPlan
 from w2c_llm.train.run import CHECKPOINT, Run
 from w2c_llm.train.tokenizer import encode_all, train_tokenizer
@@ -198,7 +199,7 @@ def test_a_run_begins_with_a_checkpoint_of_another(tmp_path: Path) -> None:
     other = plan(
         tmp_path,
         output=tmp_path / "other",
-        begin_with=tmp_path / "run" / CHECKPOINT,
+        begin_with=(tmp_path / "run" / CHECKPOINT,),
         shape=Shape(),
         steps=1,
     )
@@ -206,9 +207,28 @@ def test_a_run_begins_with_a_checkpoint_of_another(tmp_path: Path) -> None:
     assert "began with | checkpoint.pt" in (tmp_path / "other" / "README.md").read_text()
     with pytest.raises(ConfigError, match="--vocabulary is 299"):
         Run(
-            plan(tmp_path, begin_with=tmp_path / "run" / CHECKPOINT, shape=Shape(vocabulary=299)),
+            plan(
+                tmp_path, begin_with=(tmp_path / "run" / CHECKPOINT,), shape=Shape(vocabulary=299)
+            ),
             print,
         )()
+
+
+def test_a_run_begins_with_the_mean_of_several(tmp_path: Path) -> None:
+    networks = [make_network(SIZE, TOKENIZER.get_vocab_size(), seed) for seed in (7, 8, 9)]
+    paths = [tmp_path / f"{number}.gguf" for number in range(3)]
+    for path, network in zip(paths, networks, strict=True):
+        export_gguf(path, network, TOKENIZER, Card("t", "t"), "f32")
+    mean = read_origins(paths).network.state_dict()
+    for name, weight in mean.items():
+        expected = torch.stack([network.state_dict()[name] for network in networks]).mean(dim=0)
+        torch.testing.assert_close(weight, expected)
+    assert read_origins(paths[:1]).network.state_dict().keys() == mean.keys()
+
+    wider = make_network(replace(SIZE, feed_forward=128), TOKENIZER.get_vocab_size(), 1)
+    export_gguf(tmp_path / "wider.gguf", wider, TOKENIZER, Card("t", "t"), "f32")
+    with pytest.raises(ConfigError, match=r"wider\.gguf has another size or tokenizer"):
+        read_origins([paths[0], tmp_path / "wider.gguf"])
 
 
 def test_dialogues_of_the_user_are_mixed_in(tmp_path: Path) -> None:
