@@ -16,6 +16,7 @@ from w2c_dialogue.corrector import CorrectedPoint, correct
 from w2c_dialogue.frames import RESTARTED, FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.locating import locate
+from w2c_dialogue.on_top import says_on_top
 from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
 from w2c_dialogue.sight import Prediction, centre, look, only, twins
@@ -82,7 +83,8 @@ class Targeting:
         if analysis.position == "absolute":
             named = analysis.mentions[0].phrase
             choose = self._rule(frame, utterance, services)
-            prediction = absolute.predict(evidence[0], frame, choose)
+            on_top = says_on_top(utterance, analysis.mentions[0])
+            prediction = absolute.predict(evidence[0], frame, choose, on_top=on_top)
         else:
             prediction = relative.predict(
                 services,

@@ -13,6 +13,7 @@ from w2c_dialogue import absolute, relative, which
 from w2c_dialogue.analyzer import analyze
 from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
+from w2c_dialogue.on_top import says_on_top
 from w2c_dialogue.prompts.ablations import AblationName, ablated
 from w2c_dialogue.prompts.sets import PROMPT_SETS, PromptSetName
 from w2c_dialogue.prompts.single import AskedOnce
@@ -111,7 +112,8 @@ class Predicting:
         settled = self._settled(evidence, frame, answer)
         answer.boxes = tuple(seen.boxes[0] for seen in settled if seen.boxes)
         if absolutely:
-            prediction = absolute.predict(settled[0], frame)
+            on_top = says_on_top(utterance, mentions[0])
+            prediction = absolute.predict(settled[0], frame, on_top=on_top)
         else:
             answer.steps.append("expression")
             prediction = relative.predict(
