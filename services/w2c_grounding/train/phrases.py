@@ -1,7 +1,7 @@
 """What to ask about a picture: phrases that fit objects in it, and phrases that fit none."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -297,25 +297,6 @@ def invented_word(rng: np.random.Generator) -> str:
         for _ in range(int(rng.integers(2, 4)))
     ]
     return "".join(syllables)
-
-
-def vocabulary_of(truths: Iterable[PictureTruth]) -> list[str]:
-    """Return the words that named something in a picture, in alphabetical order.
-
-    The dog of "thing a dog fetches" is in none: it stays a word that the model does not know.
-    """
-    items = [item for truth in truths for item in truth.objects]
-    named = {word for item in items for text in item.phrases for word in words(text)}
-    uses = {text for kind in {item.kind for item in items} for text in uses_of(kind)}
-    foreign = {word for noun in FOREIGN for word in words(noun)}
-    said = {word for text in uses for word in words(text)} - foreign
-    return sorted(named.union(said, NOUNS_OF_ANYTHING)) if named else []
-
-
-def tokenizer_words(vocabulary: Sequence[str]) -> list[str]:
-    """Return the words that shall be one token each: the vocabulary and the words of the frames."""
-    framing = (word for frame in FRAMES for word in words(frame))
-    return sorted({*vocabulary, *framing, *COLOUR_WORDS, *NOUNS_OF_ANYTHING})
 
 
 def framed(phrase: str, rng: np.random.Generator) -> str:

@@ -17,12 +17,12 @@ from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.growth import with_words
 from w2c_grounding.train.model import Size, new_model, new_processor, read, save
-from w2c_grounding.train.phrases import tokenizer_words, vocabulary_of
 from w2c_grounding.train.pictures import Pictures, digest, open_pictures
 from w2c_grounding.train.plan import Plan, has_bf16
 from w2c_grounding.train.score import calibrate, run_trials, summarise
 from w2c_grounding.train.start import start_tower
 from w2c_grounding.train.trainer import Trainer, read_state, save_state
+from w2c_grounding.train.vocabulary import tokenizer_words, vocabulary_of
 from w2c_grounding.train.watch import watch
 
 KEPT = 20

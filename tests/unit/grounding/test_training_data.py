@@ -25,11 +25,10 @@ from w2c_grounding.train.phrases import (
     invented_word,
     kind_of,
     phrases_by_kind,
-    tokenizer_words,
-    vocabulary_of,
 )
 from w2c_grounding.train.pictures import open_pictures
 from w2c_grounding.train.uses import EVERY_USE, fitting_kinds, possible_kinds, uses_of
+from w2c_grounding.train.vocabulary import tokenizer_words, vocabulary_of
 from w2c_grounding.wording import words
 from w2c_sim_robot.scenes.held_out import HELD_OUT_KINDS
 from w2c_sim_robot.scenes.objects.catalogue import KINDS
