@@ -41,6 +41,7 @@ class FrameStore:
         self._boot_id = ""
         self._frames: OrderedDict[int, Frame] = OrderedDict()
         self._views: OrderedDict[int, CameraView] = OrderedDict()
+        self._waited_in_vain = False
         self._changed = threading.Condition()
 
     def add_frame(self, frame: Frame) -> None:
@@ -77,7 +78,8 @@ class FrameStore:
             stamp_ns: Of the picture that the operator saw; -1 = none.
             robot_boot_id: Of the robot in it; "" = not checked.
             wait_s: How long it, and its pose, may still be on their way [s]; the very first one
-                may take `FIRST_TAKES` times as long.
+                may take `FIRST_TAKES` times as long, once: where no camera sends, that is said
+                at once from then on.
 
         Raises:
             RefusedError: there is no such picture; says what to do.
@@ -85,8 +87,10 @@ class FrameStore:
         with self._changed:
             if stamp_ns >= 0 and not _same(robot_boot_id, self._boot_id):
                 raise RefusedError(RESTARTED)
-            patience_s = wait_s if self._frames else FIRST_TAKES * wait_s
-            self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=patience_s)
+            if self._frames or stamp_ns >= 0 or not self._waited_in_vain:
+                patience_s = wait_s if self._frames else FIRST_TAKES * wait_s
+                self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=patience_s)
+            self._waited_in_vain = not self._frames
             if not self._frames and stamp_ns < 0:
                 raise RefusedError(
                     "I have no picture: the camera does not send. Check `w2c status`, then say it "
@@ -129,7 +133,7 @@ class FrameStore:
         stamp = self._resolve(stamp_ns)
         if stamp not in self._frames:
             # A picture that the operator saw was sent: the first one may still be on its way.
-            return stamp < next(reversed(self._frames), 0)
+            return bool(self._frames) and stamp < next(reversed(self._frames))
         return not self._views or self._view(self._frames[stamp]) is not None
 
     def _view(self, frame: Frame) -> CameraView | None:

@@ -108,9 +108,31 @@ def test_the_first_picture_of_all_is_waited_for_where_the_operator_saw_it() -> N
         FrameStore().find(2)
 
 
-def test_no_camera_is_said_at_once() -> None:
+def test_a_dialogue_that_has_just_begun_waits_for_its_first_picture() -> None:
+    store = FrameStore()
+    found: list[Frame] = []
+    thread = threading.Thread(target=lambda: found.append(store.find(-1, wait_s=60.0)))
+    thread.start()
+    thread.join(timeout=0.1)
+    assert thread.is_alive()
+    store.add_frame(frame(1))
+    thread.join(timeout=10.0)
+    assert [one.stamp_ns for one in found] == [1]
+
+
+def test_no_camera_is_waited_for_once_and_then_said_at_once() -> None:
+    store = FrameStore()
     with pytest.raises(RefusedError, match="camera does not send"):
-        FrameStore().find(-1, wait_s=60.0)
+        store.find(-1, wait_s=0.01)
+    with pytest.raises(RefusedError, match="camera does not send"):
+        store.find(-1, wait_s=60.0)
+    store.add_frame(frame(1))
+    assert store.find(-1, wait_s=60.0).stamp_ns == 1
+
+
+def test_without_patience_no_camera_is_said_at_once() -> None:
+    with pytest.raises(RefusedError, match="camera does not send"):
+        FrameStore().find(-1)
 
 
 def test_a_picture_of_before_the_robot_started_anew_is_refused_though_its_stamp_came_again() -> (

@@ -459,7 +459,8 @@ def test_a_correction_in_a_newer_picture_starts_from_the_reprojected_point() -> 
     assert turn.target.u == pytest.approx(800 * (0.6 - 0.08) / 0.8 + 640 + 40)
 
 
-def test_no_picture_at_all_is_said() -> None:
+def test_no_picture_at_all_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("w2c_dialogue.pipeline.FRAME_WAIT_S", 0.01)
     world = World(**first_words())
     world.dialogue._frames = FrameStore()
     assert "camera does not send" in world.say(FIRST).reply
