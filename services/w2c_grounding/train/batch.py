@@ -54,7 +54,7 @@ class Batches:
         late = progress.fraction(plan) >= plan.whole_from
         whole = late or rng.random() < plan.whole_share
         window = size.image if whole else min(plan.window_cells, size.cells) * size.patch
-        count = plan.wholes if whole else plan.windows
+        count = plan.wholes(size.cells) if whole else plan.windows
         seen: list[tuple[Bytes, Bytes]] = []
         views: list[View] = []
         truths: list[PictureTruth] = []

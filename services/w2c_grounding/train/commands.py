@@ -40,6 +40,9 @@ class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Highest learning rate; default 0.0015, with --from 0.0005."""
     begin_with: Annotated[str, tyro.conf.arg(name="from")] = ""
     """A checkpoint directory of this command to begin with: its size, its words, its weights."""
+    side: Annotated[int, msgspec.Meta(ge=64, le=1024)] | None = None
+    """Pictures are squashed to squares of so many pixels; default 352, or that of --from. More
+    finds smaller things and takes more time, in training and afterwards."""
     resume: bool = False
     """Go on from OUT/state.pt."""
     name: str = "w2c-clipseg-3"
@@ -65,6 +68,7 @@ def train(arguments: list[str] | None = None) -> int:
         threads=config.threads,
         rate=config.rate,
         begin_with=Path(config.begin_with) if config.begin_with else None,
+        side=config.side,
         resume=config.resume,
         name=config.name,
         precision=config.precision,

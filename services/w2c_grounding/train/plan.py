@@ -19,9 +19,7 @@ class Plan:
     """Ends after so many steps instead; the schedule counts them, the minutes do not matter"""
     seed: int = 0
     windows: int = 24
-    """Windows of pictures in a step"""
-    wholes: int = 6
-    """Whole pictures in a step: as many patches as in the windows"""
+    """Windows of pictures in a step; of whole pictures there are as many as have their patches"""
     window_cells: int = 11
     """Side of a window [patches]: a quarter of the picture"""
     whole_from: float = 0.72
@@ -44,6 +42,10 @@ class Plan:
     report_s: float = 60.0
     bf16: bool = False
     """Whether products are in bfloat16"""
+
+    def wholes(self, cells: int) -> int:
+        """Return the number of whole pictures in a step, of `cells` patches along a side."""
+        return max(1, round(self.windows * self.window_cells**2 / cells**2))
 
     @property
     def last_s(self) -> float:

@@ -15,7 +15,7 @@ from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import check_directory, load
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import truth_files
-from w2c_grounding.train.growth import with_words
+from w2c_grounding.train.growth import resized, with_side, with_words
 from w2c_grounding.train.model import Size, new_model, new_processor, read, save
 from w2c_grounding.train.pictures import Pictures, digest, open_pictures
 from w2c_grounding.train.plan import Plan, has_bf16
@@ -45,6 +45,7 @@ class Task:
     threads: int = 2
     rate: float | None = None
     begin_with: Path | None = None
+    side: int | None = None
     resume: bool = False
     name: str = "w2c-clipseg-3"
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
@@ -125,9 +126,11 @@ class Run:
         """Return model, processor, size and words of --from; no model without it."""
         source = self._task.begin_with
         if source is None:
-            return None, None, self._task.size, []
+            size = self._task.size
+            return None, None, resized(size, self._task.side or size.image), []
         card = read_card(check_directory(source), source.name)
         model, processor, size = read(source)
+        model, processor, size = with_side(model, processor, size, self._task.side or size.image)
         return model, processor, size, list(card.vocabulary or [])
 
     def _plan(self) -> Plan:

@@ -1,12 +1,15 @@
-"""A trained model that is given more words keeps what its own words mean."""
+"""A trained model that is given more words, or more pixels, keeps what it knows."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 import torch
 
-from w2c_grounding.train.growth import with_words
-from w2c_grounding.train.model import Size, embed, new_model, new_processor
+from w2c.errors import ConfigError
+from w2c_grounding.card import ModelCard
+from w2c_grounding.train.growth import with_side, with_words
+from w2c_grounding.train.model import Size, embed, features, new_model, new_processor, read, save
 
 SIZE = Size(image=64, patch=16, width=32, layers=2, heads=2, extract=(0, 1), reduced=16)
 WORDS = ["red", "blue", "cup", "book", "the", "plate"]
@@ -51,3 +54,35 @@ def test_a_new_word_begins_as_the_mean_of_its_pieces(small: tuple[Any, Any]) -> 
 def test_without_new_words_nothing_is_made_anew(small: tuple[Any, Any]) -> None:
     model, processor = small
     assert with_words(model, processor, SIZE, WORDS) == (model, processor)
+
+
+def test_a_finer_picture_shows_the_same_at_the_same_place(small: tuple[Any, Any]) -> None:
+    model, processor = small
+    positions = model.clip.vision_model.embeddings.position_embedding.weight
+    with torch.no_grad():  # a slope: what lies between is known
+        rows = torch.arange(4.0).repeat_interleave(4)
+        positions[1:] = rows[:, None].expand(16, 32)
+    finer, _, size = with_side(model, processor, SIZE, 128)
+    assert size.cells == 8
+    found = finer.clip.vision_model.embeddings.position_embedding.weight[1:].view(8, 8, 32)
+    # The rows in the middle: the cubic at the edges knows no slope, and bends a little.
+    torch.testing.assert_close(found[3, 0], torch.full((32,), 1.25), atol=0.06, rtol=0.0)
+    torch.testing.assert_close(found[4, 7], torch.full((32,), 1.75), atol=0.06, rtol=0.0)
+    assert features(finer, torch.zeros(1, 3, 128, 128))[0].shape == (1, 65, 32)
+
+
+def test_a_model_of_another_side_is_read_as_such(small: tuple[Any, Any], tmp_path: Path) -> None:
+    finer, processor, size = with_side(*small, SIZE, 96)
+    save(finer, processor, ModelCard(name="finer"), tmp_path)
+    _, processor, found = read(tmp_path)
+    assert found == size
+    assert processor.image_processor.size["height"] == 96
+
+
+def test_the_same_side_changes_nothing(small: tuple[Any, Any]) -> None:
+    assert with_side(*small, SIZE, SIZE.image) == (*small, SIZE)
+
+
+def test_a_side_that_patches_do_not_fill_is_refused(small: tuple[Any, Any]) -> None:
+    with pytest.raises(ConfigError, match="use 64 or 80"):
+        with_side(*small, SIZE, 70)

@@ -19,7 +19,7 @@ from w2c_grounding.train.plan import Plan
 from w2c_grounding.train.run import Run, Task
 from w2c_grounding.train.score import Trial, calibrate, score_model, summarise
 
-PLAN = Plan(windows=4, wholes=2, window_cells=2, warm_up=2)
+PLAN = Plan(windows=4, window_cells=2, warm_up=2)
 
 
 @pytest.fixture(scope="module")

@@ -25,11 +25,13 @@ PAINT = {
 
 FURNITURE: dict[str, Kind] = {
     "table": Kind(
-        furniture.table, ("table", "desk"), "wood", (1.0, 1.7, 0.80), (0.2, 0.25, 0.06),
+        furniture.table, ("table", "desk", "tabletop", "surface"), "wood",
+        (1.0, 1.7, 0.80), (0.2, 0.25, 0.06),
         WOODEN, 40.0, "carries", True, {"brown": OAK}, "furniture", ("plastic", "metal"),
     ),
     "counter": Kind(
-        furniture.counter, ("counter", "worktop"), "stone", (0.8, 2.0, 0.84), (0.15, 0.25, 0.06),
+        furniture.counter, ("counter", "worktop", "countertop", "surface"), "stone",
+        (0.8, 2.0, 0.84), (0.15, 0.25, 0.06),
         ("grey", "white", "black", "brown"), 90.0, "carries", True, {"brown": OAK}, "furniture",
         ("wood", "metal"),
     ),
