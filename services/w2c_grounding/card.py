@@ -28,6 +28,8 @@ class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = DEFAULT_THRESHOLD
     vocabulary: list[str] | None = None
     """Words of the training phrases that named something; None = not known"""
+    compares_sizes: bool = False
+    """Large and small are told by comparing what the rest of a phrase fits: see `sizes`"""
 
 
 def read_card(

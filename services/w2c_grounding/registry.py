@@ -14,6 +14,7 @@ from w2c_grounding.family import Family
 from w2c_grounding.guard import Guarded
 from w2c_grounding.known import KNOWN
 from w2c_grounding.model_config import ModelConfig
+from w2c_grounding.sizes import SIZE_WORDS, ComparesSizes
 from w2c_grounding.wording import check_template
 
 EMBEDDED = Path(__file__).parent / "embedded"
@@ -145,7 +146,17 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
             "leave it out (what pointers are shown is bounded by --pointer.longest-side)"
         )
     card = _card(config, entry, directory, name or source)
-    return Guarded(entry.load(config, source, card), config.device), card
+    family = entry.load(config, source, card)
+    if card.compares_sizes:
+        family, card = ComparesSizes(family, card.threshold), _knowing_sizes(card)
+    return Guarded(family, config.device), card
+
+
+def _knowing_sizes(card: ModelCard) -> ModelCard:
+    """Return the card with the words of size among those that are understood."""
+    if card.vocabulary is None:
+        return card
+    return msgspec.structs.replace(card, vocabulary=sorted({*card.vocabulary, *SIZE_WORDS}))
 
 
 def _card(config: ModelConfig, entry: FamilyEntry, directory: Path | None, name: str) -> ModelCard:

@@ -18,8 +18,9 @@ LARGEST_AREA = 0.20
 """Of the picture: a larger one is hit by chance"""
 SMALLEST_PIECE = 150
 """A smaller piece of an area is dust between edges [px of 1280 x 720]"""
-STURDY_KINDS = frozenset({"box", "crate", "block"})
-"""Beside what carries: a person would lean on them"""
+STURDY_KINDS = frozenset({"box", "block"})
+"""Beside what carries: a person would lean on them. Not on a crate: it is open, and its rim is no
+place to stand on."""
 TALL_M = 0.06
 GAP_PX = (50, 520)
 """Between two things"""

@@ -110,7 +110,7 @@ class Run:
         if not trainer.run(keep, self._report, stopped):
             return None
         checkpoint = task.out / "checkpoint"
-        card = ModelCard(name=task.name, vocabulary=vocabulary)
+        card = ModelCard(name=task.name, vocabulary=vocabulary, compares_sizes=True)
         save(trainer.averaged(), processor, card, checkpoint)
         scores = self._measure(card, kept, checkpoint)
         scores |= {

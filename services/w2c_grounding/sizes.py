@@ -1,0 +1,127 @@
+"""Large and small, by comparing: a model is asked for the rest of the phrase, and the sizes decide.
+
+How large a thing is, no heatmap says by itself: "the small mug" is the smaller one of those that
+are there. What counts is the area in the picture; of two alike, which one is meant stays open.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Generic
+
+import numpy as np
+
+from w2c_grounding.evidence import REGION_FRACTION, Region, find
+from w2c_grounding.family import ContextT, Evidence, Family, Heatmap, RgbImage, ScoredBox
+
+SMALL = frozenset(
+    {"small", "smaller", "smallest", "little", "tiny", "tinier", "tiniest", "smallish"}
+)
+LARGE = frozenset(
+    {"large", "larger", "largest", "big", "bigger", "biggest", "huge", "giant", "largish"}
+)
+SIZE_WORDS = SMALL | LARGE
+_NOTHING = frozenset({"the", "a", "an", "my", "your", "that", "this", "one", "thing", "object"})
+"""Words that alone ask for nothing: `the small one` is left to the model"""
+
+LEAST_AREA = 0.0007
+"""Of the picture: a smaller region is no thing to compare with, most often a stain"""
+LEAST_SHARE = 0.08
+"""Of the largest region: less is a piece of something"""
+ALIKE = 1.1
+"""Areas that differ by less than this factor do not tell which is meant"""
+OTHERS = 0.9 * REGION_FRACTION
+"""Heat of all else, at most, over the peak of the chosen one: no region of its own"""
+
+
+@dataclass(frozen=True)
+class Sized:
+    """A phrase without its word of size."""
+
+    rest: str
+    large: bool
+
+
+def split(phrase: str) -> Sized | None:
+    """Return what a phrase asks for beside a size; None where it says none, or nothing else.
+
+    Args:
+        phrase: In lower case, words with single spaces between them.
+    """
+    spoken = phrase.split(" ")
+    sizes = [word for word in spoken[:-1] if word in SIZE_WORDS]
+    rest = [word for word in spoken if word not in SIZE_WORDS]
+    if len(sizes) != 1 or len(rest) != len(spoken) - 1 or _NOTHING.issuperset(rest):
+        return None
+    return Sized(" ".join(rest), sizes[0] in LARGE)
+
+
+def compared(evidence: Evidence, threshold: float, *, large: bool) -> Evidence:
+    """Return the evidence of the largest, or smallest, of the things that fit.
+
+    Where fewer than two fit, or the sizes do not tell, it stays as it is.
+
+    Args:
+        evidence: Of the phrase without its word of size.
+        threshold: What scores less does not fit.
+        large: Whether the largest is wanted.
+    """
+    heatmap = evidence.heatmap
+    regions = find(heatmap, threshold, boxes=evidence.boxes).regions
+    areas = {number: int(np.count_nonzero(one.mask)) for number, one in enumerate(regions)}
+    least = max(LEAST_AREA * heatmap.size, LEAST_SHARE * max(areas.values(), default=0))
+    order = sorted((n for n, area in areas.items() if area >= least), key=areas.__getitem__)
+    if large:
+        order.reverse()
+    if len(order) < 2 or _alike(areas[order[0]], areas[order[1]]):
+        return evidence
+    chosen = regions[order[0]]
+    boxes = None if evidence.boxes is None else (_box(chosen),)
+    return replace(evidence, heatmap=_alone(heatmap, chosen), boxes=boxes)
+
+
+def _alike(one: int, other: int) -> bool:
+    return max(one, other) < ALIKE * min(one, other)
+
+
+def _alone(heatmap: Heatmap, chosen: Region) -> Heatmap:
+    """Return a heatmap in which nothing but one region is hot."""
+    window = np.s_[chosen.top : chosen.bottom, chosen.left : chosen.right]
+    peak = float(heatmap[window][chosen.mask].max())
+    faint = heatmap * np.float32(OTHERS * peak / max(float(heatmap.max()), 1e-6))
+    faint[window][chosen.mask] = heatmap[window][chosen.mask]
+    return faint
+
+
+def _box(region: Region) -> ScoredBox:
+    return ScoredBox(
+        float(region.left),
+        float(region.top),
+        float(region.right),
+        float(region.bottom),
+        region.score,
+    )
+
+
+class ComparesSizes(Generic[ContextT]):
+    """Wraps a family that does not know large from small."""
+
+    def __init__(self, family: Family[ContextT], threshold: float) -> None:
+        """Wrap a family; what scores below the threshold is not compared."""
+        self.family = family
+        self._threshold = threshold
+
+    def prepare(self, image: RgbImage) -> ContextT:
+        """Return what the model keeps of a picture."""
+        return self.family.prepare(image)
+
+    def query(self, context: ContextT, phrases: Sequence[str]) -> list[Evidence]:
+        """Return the evidence for each phrase."""
+        sized = [split(phrase) for phrase in phrases]
+        asked = [
+            phrase if one is None else one.rest for phrase, one in zip(phrases, sized, strict=True)
+        ]
+        found = self.family.query(context, asked)
+        return [
+            one if size is None else compared(one, self._threshold, large=size.large)
+            for one, size in zip(found, sized, strict=True)
+        ]

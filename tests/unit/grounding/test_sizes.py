@@ -1,0 +1,126 @@
+"""Large and small are told by comparing what the rest of a phrase fits."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from w2c_grounding.evidence import find, peak_point
+from w2c_grounding.family import Evidence, Heatmap, RgbImage, ScoredBox
+from w2c_grounding.sizes import LARGE, SIZE_WORDS, SMALL, ComparesSizes, Sized, compared, split
+
+SIDE = 200
+THRESHOLD = 0.5
+
+
+def heat(*squares: tuple[int, int, int, float]) -> Heatmap:
+    """Return heat in squares: left, top, side, and how hot."""
+    result = np.zeros((SIDE, SIDE), dtype=np.float32)
+    for left, top, side, hot in squares:
+        result[top : top + side, left : left + side] = hot
+    return result
+
+
+SMALLER = (10, 10, 20, 0.95)
+LARGER = (100, 100, 60, 0.7)
+
+
+@pytest.mark.parametrize(
+    ("phrase", "rest", "large"),
+    [
+        ("small mug", "mug", False),
+        ("the larger red mug", "the red mug", True),
+        ("red tiny mug", "red mug", False),
+        ("biggest box of nails", "box of nails", True),
+    ],
+)
+def test_a_word_of_size_is_taken_out(phrase: str, rest: str, large: bool) -> None:
+    assert split(phrase) == Sized(rest, large)
+
+
+@pytest.mark.parametrize(
+    "phrase", ["mug", "small", "the small one", "small thing", "mug small", "big small mug", "big"]
+)
+def test_what_compares_nothing_is_left_alone(phrase: str) -> None:
+    assert split(phrase) is None
+
+
+@given(st.lists(st.sampled_from([*sorted(SIZE_WORDS), "the", "red", "mug", "one"]), min_size=1))
+def test_what_is_asked_for_instead_says_no_size(words: list[str]) -> None:
+    sized = split(" ".join(words))
+    if sized is not None:
+        assert not SIZE_WORDS.intersection(sized.rest.split())
+        assert sized.rest.split() == [word for word in words if word not in SIZE_WORDS]
+
+
+def test_no_word_is_large_and_small() -> None:
+    assert not SMALL & LARGE
+
+
+@pytest.mark.parametrize(("large", "chosen"), [(True, LARGER), (False, SMALLER)])
+def test_one_of_two_remains(large: bool, chosen: tuple[int, int, int, float]) -> None:
+    evidence = compared(Evidence(heat(SMALLER, LARGER)), THRESHOLD, large=large)
+
+    finding = find(evidence.heatmap, THRESHOLD)
+    left, top, side, hot = chosen
+    (region,) = finding.regions
+    assert (region.left, region.top, region.right, region.bottom) == (
+        left, top, left + side, top + side,
+    )  # fmt: skip
+    assert finding.score == pytest.approx(hot)
+    u, v = peak_point(evidence.heatmap)
+    assert left <= u <= left + side
+    assert top <= v <= top + side
+
+
+@pytest.mark.parametrize(("large", "index"), [(True, 1), (False, 0)])
+def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
+    boxes = tuple(
+        ScoredBox(left, top, left + side, top + side, hot)
+        for left, top, side, hot in (SMALLER, LARGER)
+    )
+    evidence = compared(Evidence(heat(SMALLER, LARGER), boxes), THRESHOLD, large=large)
+    assert evidence.boxes is not None
+    assert list(evidence.boxes) == [pytest.approx(boxes[index])]
+
+
+@pytest.mark.parametrize(
+    "squares",
+    [
+        pytest.param((SMALLER,), id="one thing"),
+        pytest.param((), id="nothing"),
+        pytest.param(((10, 10, 40, 0.9), (100, 100, 41, 0.9)), id="two alike"),
+        pytest.param((LARGER, (10, 10, 20, 0.4)), id="the other below the threshold"),
+        pytest.param(((10, 10, 40, 0.9), (100, 100, 4, 0.9)), id="a stain"),
+        pytest.param(((10, 10, 90, 0.9), (120, 120, 20, 0.9)), id="a piece"),
+    ],
+)
+def test_where_sizes_tell_nothing_all_stays(squares: tuple[tuple[int, int, int, float]]) -> None:
+    evidence = Evidence(heat(*squares))
+    assert compared(evidence, THRESHOLD, large=False) is evidence
+
+
+class Remembers:
+    """A family that notes what it is asked."""
+
+    def __init__(self) -> None:
+        self.asked: list[str] = []
+
+    def prepare(self, image: RgbImage) -> Heatmap:
+        return heat(SMALLER, LARGER)
+
+    def query(self, context: Heatmap, phrases: Sequence[str]) -> list[Evidence]:
+        self.asked += phrases
+        return [Evidence(context) for _ in phrases]
+
+
+def test_a_model_is_asked_for_the_rest() -> None:
+    family = Remembers()
+    compares = ComparesSizes(family, THRESHOLD)
+    context = compares.prepare(np.zeros((SIDE, SIDE, 3), dtype=np.uint8))
+    plain, large = compares.query(context, ["mug", "large mug"])
+    assert family.asked == ["mug", "mug"]
+    assert len(find(plain.heatmap, THRESHOLD).regions) == 2
+    assert len(find(large.heatmap, THRESHOLD).regions) == 1
