@@ -66,6 +66,14 @@ def spans_schema(utterance: Utterance) -> dict[str, object]:
 
 _OUT_OF = ["out", "of"]
 """`thing to drink out of`"""
+_ANYTHING = frozenset({"item", "object", "one", "something", "thing"})
+_NO_VERB = frozenset(
+    {
+        "a", "an", "back", "down", "every", "his", "left", "me", "my", "our", "right", "that",
+        "the", "their", "this", "up", "us", "where", "you", "your",
+    }
+)  # fmt: skip
+"""After `to` they begin a direction, as in `move the thing to the left`"""
 
 
 def naming_spans(utterance: Utterance) -> list[Span]:
@@ -78,7 +86,19 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         if words[first] not in NEVER_FIRST
         and (words[last] not in NEVER_LAST or words[first + 1 : last + 1][-2:] == _OUT_OF)
         and not NO_NAMES.issuperset(words[first : last + 1])
+        and not _cut_short(words, last)
     ]
+
+
+def _cut_short(words: list[str], last: int) -> bool:
+    """Tell whether a name that ends there lacks what it is for: `thing | to wear`."""
+    after = words[last + 1 : last + 3]
+    return (
+        words[last] in _ANYTHING
+        and len(after) == 2
+        and after[0] == "to"
+        and after[1] not in _NO_VERB
+    )
 
 
 def _any_of(numbers: set[int]) -> str:

@@ -90,3 +90,22 @@ def test_the_schema_allows_what_may_be_a_name_and_stays_small(words: list[str]) 
     for number, word in enumerate(words, 1):
         if word == "and":
             assert violation([f"{number}-{number}"], schema) is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "whole"),
+    [
+        ("lean on the thing to wear", "thing to wear"),
+        ("touch that red thing to sit on with your left hand", "red thing to sit on"),
+    ],
+)
+def test_a_thing_is_not_cut_off_from_its_use(text: str, whole: str) -> None:
+    assert whole in names(text)
+    assert whole.split(" to ")[0] not in names(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["move the red thing to the left", "hold the red thing to your right"]
+)
+def test_a_direction_is_no_use(text: str) -> None:
+    assert "red thing" in names(text)
