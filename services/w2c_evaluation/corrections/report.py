@@ -101,7 +101,7 @@ def draw_boxes(sessions: Sequence[Session], paths: Sequence[Path]) -> None:
     from matplotlib.patches import Patch
 
     phases = _phases(sessions)
-    figure, axis = plt.subplots(figsize=(7.2, 4.0))
+    figure, axis = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
     width = 0.7 / len(phases)
     for place, phase in enumerate(phases):
         shift = (place - 0.5 * (len(phases) - 1)) * (width + 0.05)
@@ -136,11 +136,10 @@ def draw_boxes(sessions: Sequence[Session], paths: Sequence[Path]) -> None:
     )
     people = "paper: people on photographs, phase 2"
     handles.append(mpl.lines.Line2D([], [], color="black", marker="D", linestyle="", label=people))
-    axis.legend(handles=handles, loc="upper right", fontsize=8)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False)
     axis.set_title(
         f"Box: quartiles and median; whiskers: 5 and 95 %; no dot: {NO_DOT_PX:.0f} px", fontsize=9
     )
-    figure.tight_layout()
     for path in paths:
         path.parent.mkdir(parents=True, exist_ok=True)
         metadata = {"Date": None} if path.suffix == ".svg" else {"Software": None}
