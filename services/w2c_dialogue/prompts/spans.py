@@ -66,7 +66,7 @@ def spans_schema(utterance: Utterance) -> dict[str, object]:
 
 _OUT_OF = ["out", "of"]
 """`thing to drink out of`"""
-_ANYTHING = frozenset({"item", "object", "one", "something", "thing"})
+_ANYTHING = frozenset({"item", "object", "something", "thing"})
 _NO_VERB = frozenset(
     {
         "a", "an", "back", "down", "every", "his", "left", "me", "my", "our", "right", "that",
@@ -91,13 +91,17 @@ def naming_spans(utterance: Utterance) -> list[Span]:
 
 
 def _cut_short(words: list[str], last: int) -> bool:
-    """Tell whether a name that ends there lacks what it is for: `thing | to wear`."""
+    """Tell whether a name that ends there lacks what it is for: `thing | to wear`.
+
+    Not so in `from the red thing to shelf two`.
+    """
     after = words[last + 1 : last + 3]
     return (
         words[last] in _ANYTHING
         and len(after) == 2
         and after[0] == "to"
         and after[1] not in _NO_VERB
+        and "from" not in words[:last]
     )
 
 

@@ -105,7 +105,12 @@ def test_a_thing_is_not_cut_off_from_its_use(text: str, whole: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["move the red thing to the left", "hold the red thing to your right"]
+    "text",
+    [
+        "move the red thing to the left",
+        "hold the red thing to your right",
+        "from the red thing to shelf two",
+    ],
 )
 def test_a_direction_is_no_use(text: str) -> None:
     assert "red thing" in names(text)
