@@ -87,10 +87,10 @@ class FrameStore:
         with self._changed:
             if stamp_ns >= 0 and not _same(robot_boot_id, self._boot_id):
                 raise RefusedError(RESTARTED)
-            if self._frames or stamp_ns >= 0 or not self._waited_in_vain:
-                patience_s = wait_s if self._frames else FIRST_TAKES * wait_s
-                self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=patience_s)
-            self._waited_in_vain = not self._frames
+            patience_s = self._patience_s(stamp_ns, wait_s)
+            self._changed.wait_for(lambda: self._complete(stamp_ns), timeout=patience_s)
+            if patience_s > 0.0:
+                self._waited_in_vain = not self._frames
             if not self._frames and stamp_ns < 0:
                 raise RefusedError(
                     "I have no picture: the camera does not send. Check `w2c status`, then say it "
@@ -104,6 +104,12 @@ class FrameStore:
                     "Look at the live picture, then say it again."
                 )
             return replace(frame, view=self._view(frame))
+
+    def _patience_s(self, stamp_ns: int, wait_s: float) -> float:
+        """Return how long to wait for a picture [s]."""
+        if self._frames:
+            return wait_s
+        return 0.0 if stamp_ns < 0 and self._waited_in_vain else FIRST_TAKES * wait_s
 
     def _stand_in(self, stamp_ns: int) -> Frame | None:
         """Return the nearest picture that shows what a lost one showed; None where none does.

@@ -12,6 +12,7 @@ import numpy as np
 
 from w2c_grounding.evidence import REGION_FRACTION, Region, find
 from w2c_grounding.family import ContextT, Evidence, Family, Heatmap, RgbImage, ScoredBox
+from w2c_grounding.wording import FUNCTION_WORDS
 
 SMALL = frozenset(
     {"small", "smaller", "smallest", "little", "tiny", "tinier", "tiniest", "smallish"}
@@ -20,7 +21,7 @@ LARGE = frozenset(
     {"large", "larger", "largest", "big", "bigger", "biggest", "huge", "giant", "largish"}
 )
 SIZE_WORDS = SMALL | LARGE
-_NOTHING = frozenset({"the", "a", "an", "my", "your", "that", "this", "one", "thing", "object"})
+_NOTHING = FUNCTION_WORDS | {"object", "thing"}
 """Words that alone ask for nothing: `the small one` is left to the model"""
 
 LEAST_AREA = 0.0007

@@ -130,6 +130,20 @@ def test_no_camera_is_waited_for_once_and_then_said_at_once() -> None:
     assert store.find(-1, wait_s=60.0).stamp_ns == 1
 
 
+def test_a_look_without_patience_does_not_use_up_that_of_the_first_picture() -> None:
+    store = FrameStore()
+    with pytest.raises(RefusedError, match="camera does not send"):
+        store.find(-1)
+    found: list[Frame] = []
+    thread = threading.Thread(target=lambda: found.append(store.find(-1, wait_s=60.0)))
+    thread.start()
+    thread.join(timeout=0.1)
+    assert thread.is_alive()
+    store.add_frame(frame(1))
+    thread.join(timeout=10.0)
+    assert [one.stamp_ns for one in found] == [1]
+
+
 def test_without_patience_no_camera_is_said_at_once() -> None:
     with pytest.raises(RefusedError, match="camera does not send"):
         FrameStore().find(-1)
