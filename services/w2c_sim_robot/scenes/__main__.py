@@ -47,7 +47,7 @@ class Render(msgspec.Struct, frozen=True, kw_only=True):
     jobs: Annotated[int, msgspec.Meta(ge=1, le=64)] = 1
     """Processes that render at once; each takes 0.4 GB. The pictures are the same."""
     paper_share: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.2
-    """Of scenes with book and mug where the paper's scene (a) has them."""
+    """Of scenes that are arranged like one of the paper's, with its things."""
     json: Path | None = None
     """Write the list of truth files there."""
 

@@ -1,6 +1,7 @@
 """Things without colour and place: what a set of scenes is made of."""
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -8,9 +9,24 @@ from w2c_sim_robot.scenes.held_out import HELD_OUT_KINDS, kinds_for, materials_f
 from w2c_sim_robot.scenes.objects.catalogue import KINDS, MOVABLE_KINDS, random_size
 from w2c_sim_robot.scenes.objects.shape import Size
 
-PAPER_KINDS = ("book", "mug", "bottle", "bowl")
-"""What is in the paper's scene (a): always in stock"""
+PaperScene = Literal["a", "b", "c", "d"]
+PAPER_KINDS: dict[PaperScene, tuple[str, ...]] = {
+    "a": ("book", "mug", "bottle", "bowl"),
+    "b": ("plate", "dish_rack", "mug"),
+    "c": ("mallet", "nail_box", "toolbox", "screwdriver"),
+    "d": ("cheez_it_box", "drape", "bowl"),
+}
+"""What may be moved in the scenes of the paper. That of (a) is always in stock"""
+PAPER_FURNITURE: dict[PaperScene, tuple[str, ...]] = {
+    "a": (),
+    "b": ("dishwasher",),
+    "c": (),
+    "d": ("fridge",),
+}
+"""Beside what is always in stock"""
 CARRIERS = ("table", "counter", "shelf")
+SCENES_PER_STOCK = 50
+"""Scenes of consecutive seeds that have things in common"""
 STOCK_KINDS = 24
 """Of one model: more make it slow to compile and to draw"""
 FLOOR_KINDS_IN_STOCK = 5
@@ -31,12 +47,33 @@ class Asset:
     material: str
 
 
+def paper_scene_of(seed: int) -> PaperScene:
+    """Return which of the paper's scenes the things of a seed may make: in blocks, in turn."""
+    letters: tuple[PaperScene, ...] = get_args(PaperScene)
+    return letters[seed // SCENES_PER_STOCK % len(letters)]
+
+
+def has_things_of(paper_scene: PaperScene, assets: tuple[Asset, ...]) -> bool:
+    """Whether a scene like this one of the paper can be made of these assets."""
+    kinds = {asset.kind for asset in assets}
+    return kinds.issuperset((*PAPER_KINDS[paper_scene], *PAPER_FURNITURE[paper_scene]))
+
+
 def random_assets(
-    rng: np.random.Generator, copies: int = 2, *, judging: bool = False
+    rng: np.random.Generator,
+    copies: int = 2,
+    *,
+    judging: bool = False,
+    paper_scene: PaperScene = "a",
 ) -> tuple[Asset, ...]:
-    """Return `copies` things of each kind in stock, and one of each kind of furniture."""
+    """Return `copies` things of each kind in stock, and one of each kind of furniture.
+
+    The kinds of `paper_scene` are among them.
+    """
     assets = []
-    for kind in (*CARRIERS, *_stock(rng, judging)):
+    stock = _stock(rng, judging)
+    special = [kind for kind in PAPER_KINDS[paper_scene] if kind not in stock]
+    for kind in (*CARRIERS, *stock, *PAPER_FURNITURE[paper_scene], *special):
         furniture = KINDS[kind].furniture
         first: Asset | None = None
         for number in range(1 if furniture else copies):
@@ -61,7 +98,7 @@ def _stock(rng: np.random.Generator, judging: bool) -> tuple[str, ...]:
     """Return the kinds of a stock: the paper's, some for the floor, some for judging, others."""
     allowed = [kind for kind in kinds_for(judging) if kind in MOVABLE_KINDS]
     order = [allowed[i] for i in rng.permutation(len(allowed))]
-    chosen = list(PAPER_KINDS)
+    chosen = list(PAPER_KINDS["a"])
     if judging:
         chosen += [k for k in order if k in HELD_OUT_KINDS][: round(JUDGING_SHARE * STOCK_KINDS)]
     chosen += [k for k in order if KINDS[k].floor and k not in chosen][:FLOOR_KINDS_IN_STOCK]

@@ -33,6 +33,10 @@ LYING_SHARE = 0.25
 ON_TOP_SHARE = 0.25
 
 
+Region = tuple[tuple[float, float], tuple[float, float]]
+"""x and y, each from and to [m]"""
+
+
 @dataclass(frozen=True)
 class Surface:
     """A level rectangle that things may stand on, at right angles to the world's axes [m]."""
@@ -75,7 +79,7 @@ class Arranger:
         asset: Asset,
         colour: str,
         *,
-        region: tuple[tuple[float, float], tuple[float, float]] | None = None,
+        region: Region | None = None,
         behind: Placed | None = None,
     ) -> Placed | None:
         """Place a thing, within `region` (x and y [m]) or behind another; None without room."""
@@ -110,7 +114,7 @@ class Arranger:
         self,
         surface: Surface,
         radius: float,
-        region: tuple[tuple[float, float], tuple[float, float]] | None,
+        region: Region | None,
         behind: Placed | None,
     ) -> tuple[float, float] | None:
         """Return a place on a surface for a thing of this radius; None where it is too large."""

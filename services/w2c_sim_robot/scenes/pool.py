@@ -10,7 +10,7 @@ from w2c_sim_robot import talos
 from w2c_sim_robot.camera.renderer import Image, Renderer
 from w2c_sim_robot.head_camera import world_from_camera
 from w2c_sim_robot.model import HEAD_CAMERA, HEAD_SHELL_GROUP, build_model, ready_configuration
-from w2c_sim_robot.scenes.assets import Asset, random_assets
+from w2c_sim_robot.scenes.assets import SCENES_PER_STOCK, Asset, paper_scene_of, random_assets
 from w2c_sim_robot.scenes.build import VISUAL_GROUP, colour_of, light_colour, paints_of
 from w2c_sim_robot.scenes.held_out import is_judging
 from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object, shape_of
@@ -19,7 +19,6 @@ from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 from w2c_sim_robot.scenes.wording import parts_of
 
 HIDDEN_GROUP = 5
-SCENES_PER_POOL = 50
 HARDWARE_SAMPLES = 4
 _DOWN = (0.0, 0.0, -1.0)
 
@@ -43,10 +42,12 @@ class Pool:
     """A model with a stock of things, of which each scene shows some."""
 
     def __init__(self, block: int, width: int, height: int) -> None:
-        """Compile the stock of the `SCENES_PER_POOL` seeds of a block."""
+        """Compile the stock of the `SCENES_PER_STOCK` seeds of a block."""
         rng = np.random.default_rng([block, 5])
-        judging = is_judging(block * SCENES_PER_POOL)
-        self.assets: tuple[Asset, ...] = random_assets(rng, judging=judging)
+        first = block * SCENES_PER_STOCK
+        self.assets: tuple[Asset, ...] = random_assets(
+            rng, judging=is_judging(first), paper_scene=paper_scene_of(first)
+        )
         stock = [_stored(asset) for asset in self.assets]
         self._shapes: dict[str, Shape] = {item.name: shape_of(item) for item in stock}
         floor = self.floor = str(rng.choice(["tiles", "wood", "concrete", "carpet"]))

@@ -2,27 +2,31 @@
 
 import numpy as np
 
-from w2c_sim_robot.scenes.assets import PAPER_KINDS, Asset, random_assets
+from w2c_sim_robot.scenes.assets import (
+    PAPER_KINDS,
+    Asset,
+    PaperScene,
+    has_things_of,
+    paper_scene_of,
+    random_assets,
+)
 from w2c_sim_robot.scenes.held_out import held_out, is_judging
-from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object
+from w2c_sim_robot.scenes.objects.catalogue import KINDS
 from w2c_sim_robot.scenes.objects.palette import COLOURS, shade
-from w2c_sim_robot.scenes.objects.room import shelf_heights
-from w2c_sim_robot.scenes.placing import Arranger, Placed, Surface
-from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
+from w2c_sim_robot.scenes.placing import Arranger, Placed
+from w2c_sim_robot.scenes.scene import Light, Scene, Surroundings
+from w2c_sim_robot.scenes.stages import draw_stage
 from w2c_sim_robot.scenes.wording import OTHER_SIZE_RATIO, length_of
 
-STAGES = {"table": 0.5, "counter": 0.16, "shelf": 0.15, "floor": 0.19}
-"""What things stand on, and how often"""
-Region = tuple[tuple[float, float], tuple[float, float]]
-PAPER_REGIONS: dict[str, Region] = {
-    "book": ((0.42, 0.60), (-0.40, -0.12)),
-    "mug": ((0.95, 1.38), (-0.05, 0.32)),
-}
-"""Where the things of the paper's scene (a) stand: x and y [m]"""
 PAPER_SHARE = 0.2
-"""Of scenes with a book and a mug where the paper's scene (a) has them"""
-PAPER_COLOURS = dict(zip(PAPER_KINDS, ("red", "blue", "green", "yellow"), strict=True))
-"""What is in scene (a), and its colours; half of such scenes hold exactly these"""
+"""Of scenes that are arranged like one of the paper's, with its things"""
+PAPER_COLOURS: dict[str, str] = {
+    "book": "red", "mug": "blue", "bottle": "green", "bowl": "yellow", "plate": "red",
+    "mallet": "black", "nail_box": "brown", "cheez_it_box": "red",
+}  # fmt: skip
+"""Of the things in them"""
+PAPER_ONLY_SHARE = 0.5
+"""Of such scenes: nothing but the paper's things, in the paper's colours"""
 CLUTTERED_SHARE = 0.25
 PAIR_SHARE = 0.45
 """Of scenes with two of a kind on purpose"""
@@ -37,27 +41,33 @@ def random_scene(
 ) -> Scene:
     """Return the scene of a seed; with `assets`, of these only, so that a model can be reused.
 
-    `paper_share` of the scenes have book and mug where the paper's scene (a) has them.
+    `paper_share` of the scenes are arranged like the paper's scene of this seed.
     """
     rng = np.random.default_rng([seed, 1])
     judging = is_judging(seed)
     if assets is None:
-        assets = random_assets(np.random.default_rng([seed, 2]), judging=judging)
-    as_in_paper = rng.random() < paper_share
-    stages = list(STAGES)[:2] if as_in_paper else list(STAGES)
-    weights = np.array([STAGES[name] for name in stages])
-    stage = str(rng.choice(stages, p=weights / weights.sum()))
-    furniture, surfaces = _stage(rng, stage, assets)
-    chosen = _choose(rng, assets, stage, PAPER_KINDS if as_in_paper else ())
-    if as_in_paper and rng.random() < 0.5:
-        chosen = [next(a for a in chosen if a.kind == kind) for kind in PAPER_KINDS]
-        colours = [PAPER_COLOURS[asset.kind] for asset in chosen]
+        assets = random_assets(
+            np.random.default_rng([seed, 2]), judging=judging, paper_scene=paper_scene_of(seed)
+        )
+    paper_scene: PaperScene | None = paper_scene_of(seed) if rng.random() < paper_share else None
+    if paper_scene is not None and not has_things_of(paper_scene, assets):
+        paper_scene = "a"
+    stage = draw_stage(rng, assets, paper_scene, judging=judging)
+    placed_kinds = {item.kind for item in stage.furniture}
+    stock = tuple(asset for asset in assets if asset.kind not in placed_kinds)
+    wanted = () if paper_scene is None else PAPER_KINDS[paper_scene]
+    chosen = _choose(rng, stock, stage.name, wanted)
+    if paper_scene is not None and rng.random() < PAPER_ONLY_SHARE:
+        kinds = [kind for kind in wanted if any(asset.kind == kind for asset in chosen)]
+        chosen = [next(asset for asset in chosen if asset.kind == kind) for kind in kinds]
+        colours = _colours(rng, chosen, judging)
+        colours = [PAPER_COLOURS.get(a.kind, c) for a, c in zip(chosen, colours, strict=True)]
     else:
         colours = _colours(rng, chosen, judging)
-    arranger = Arranger(rng, surfaces)
+    arranger = Arranger(rng, stage.surfaces)
     tall: Placed | None = None
     for asset, colour in zip(chosen, colours, strict=True):
-        region = PAPER_REGIONS.get(asset.kind) if as_in_paper else None
+        region = stage.regions.get(asset.kind)
         hidden = tall if region is None and rng.random() < OCCLUSION_SHARE else None
         placed = arranger.put(asset, colour, region=region, behind=hidden)
         if placed is not None and placed.top - placed.foot > TALL:
@@ -67,46 +77,10 @@ def random_scene(
     return Scene(
         name=f"random_{seed}",
         seed=seed,
-        objects=(*furniture, *(placed.item for placed in arranger.placed)),
+        objects=(*stage.furniture, *(placed.item for placed in arranger.placed)),
         lights=_lights(rng),
         surroundings=_surroundings(rng),
     )
-
-
-def _stage(
-    rng: np.random.Generator, stage: str, assets: tuple[Asset, ...]
-) -> tuple[tuple[SceneObject, ...], tuple[Surface, ...]]:
-    """Return a piece of furniture before the robot, and the surfaces that it offers."""
-    if stage == "floor":
-        return (), (Surface((0.62, -1.1), (1.9, 1.1), 0.0),)
-    asset = next(asset for asset in assets if asset.kind == stage)
-    deep, wide, tall = asset.size
-    row = KINDS[stage]
-    others = len(row.colours) - 1
-    colour = str(rng.choice(row.colours, p=[0.6, *[0.4 / others] * others]))
-    front = float(rng.uniform(0.5, 0.75) if stage == "shelf" else rng.uniform(0.22, 0.42))
-    middle = front + deep / 2, float(rng.uniform(-0.25, 0.25))
-    item = make_object(
-        stage,
-        colour,
-        (*middle, 0.0),
-        name=asset.name,
-        size=asset.size,
-        variant=asset.variant,
-        material=asset.material,
-    )
-    if stage == "shelf":
-        low = (front + 0.005, middle[1] - wide / 2 + 0.03)
-        high = (front + deep - 0.005, middle[1] + wide / 2 - 0.03)
-        lower, upper, top = shelf_heights(asset.size)
-        return (item,), (
-            Surface(low, high, float(top)),
-            Surface(low, high, float(upper), float(top - upper) - 0.04),
-            Surface(low, high, float(lower), float(upper - lower) - 0.04),
-        )
-    low = (max(0.40, front), max(-0.78, middle[1] - wide / 2))
-    high = (min(1.45, front + deep), min(0.78, middle[1] + wide / 2))
-    return (item,), (Surface(low, high, tall),)
 
 
 def _choose(

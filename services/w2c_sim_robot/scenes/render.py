@@ -13,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import intrinsics_from_fov
+from w2c_sim_robot.scenes.assets import SCENES_PER_STOCK
 from w2c_sim_robot.scenes.held_out import HELD_OUT_KINDS, held_out, held_out_material
 from w2c_sim_robot.scenes.objects.catalogue import KINDS
 from w2c_sim_robot.scenes.picture_set import PictureSet, SetDescription
-from w2c_sim_robot.scenes.pool import SCENES_PER_POOL, Pool, Shot
+from w2c_sim_robot.scenes.pool import Pool, Shot
 from w2c_sim_robot.scenes.random_scene import random_scene
 from w2c_sim_robot.scenes.scene import Scene, SceneObject
 from w2c_sim_robot.scenes.wording import parts_of, phrases_in
@@ -52,7 +53,7 @@ def render(
         yield from _render(files, numbers, resume)
         return
     # A block of seeds shares one compiled model: it goes to one process.
-    blocks = [list(block) for _, block in groupby(numbers, lambda n: n // SCENES_PER_POOL)]
+    blocks = [list(block) for _, block in groupby(numbers, lambda n: n // SCENES_PER_STOCK)]
     # Not forked: a graphics context does not survive it.
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as workers:
         try:
@@ -77,10 +78,10 @@ def _render(files: PictureSet, numbers: Sequence[int], resume: bool) -> Iterator
             if resume and files.has(name):
                 yield files.truth_file(name)
                 continue
-            if pool is None or number // SCENES_PER_POOL != block:
+            if pool is None or number // SCENES_PER_STOCK != block:
                 if pool is not None:
                     pool.close()
-                block = number // SCENES_PER_POOL
+                block = number // SCENES_PER_STOCK
                 pool = Pool(block, description.width, description.height)
             scene = random_scene(number, pool.assets, description.paper_share)
             rng = np.random.default_rng([number, 9])

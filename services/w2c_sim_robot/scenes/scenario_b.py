@@ -1,14 +1,13 @@
 """The paper's scene (b): lean on a white surface, reach a red plate in a dishwasher."""
 
-import msgspec
 import numpy as np
 
+from w2c_sim_robot.scenes.dishes import LEAN, standing_plate
 from w2c_sim_robot.scenes.lamps import DAYLIGHT
-from w2c_sim_robot.scenes.objects.appliances import DOOR_TOP, RACK_FLOOR
+from w2c_sim_robot.scenes.objects.appliances import DOOR_TOP
 from w2c_sim_robot.scenes.objects.catalogue import make_object
 from w2c_sim_robot.scenes.scene import (
     Instruction,
-    Quaternion,
     Scene,
     SceneObject,
     Surroundings,
@@ -21,12 +20,9 @@ COUNTER_EDGE = -0.12
 DISHWASHER_SIZE = (1.08, 0.60, 0.86)
 RACK_SIZE = (0.48, 0.48, 0.14)
 PLATE_SIZE = (0.25, 0.25, 0.026)
-LEAN = np.radians(-72.0)
-"""A plate in the rack stands nearly upright, its upper side to the robot"""
 PLATE_X = (1.13, 1.17)
 PLATE_Y = (0.08, 0.22)
 """Where a plate is out of reach on two feet, and within reach of a hand with support [m]"""
-_TILTED: Quaternion = (0.0, float(np.sin(LEAN / 2)), 0.0, float(np.cos(LEAN / 2)))
 
 INSTRUCTIONS = (
     Instruction(
@@ -108,9 +104,4 @@ def scenario_b(*, plate_xy: tuple[float, float] | None = None, seed: int = 0) ->
 
 def _plate(name: str, colour: str, place: tuple[float, float], variant: int) -> SceneObject:
     """Return a plate that stands in the rack, its middle over `place` [m]."""
-    radius = PLATE_SIZE[0] / 2
-    rest = DOOR_TOP + RACK_FLOOR + radius * float(abs(np.sin(LEAN)))
-    upright = make_object(
-        "plate", colour, (*place, rest), name=name, size=PLATE_SIZE, variant=variant, movable=False
-    )
-    return msgspec.structs.replace(upright, orientation=_TILTED)
+    return standing_plate(name, colour, place, DOOR_TOP, size=PLATE_SIZE, variant=variant)

@@ -13,9 +13,10 @@ from w2c.geometry import quaternion_from_rotation, unit
 from w2c_sim_robot.camera.renderer import Renderer
 from w2c_sim_robot.camera.studio import Studio
 from w2c_sim_robot.model import ready_configuration
+from w2c_sim_robot.scenes.assets import SCENES_PER_STOCK
 from w2c_sim_robot.scenes.build import add_scene
 from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object
-from w2c_sim_robot.scenes.pool import SCENES_PER_POOL, Pool
+from w2c_sim_robot.scenes.pool import Pool
 from w2c_sim_robot.scenes.random_scene import random_scene
 from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 
@@ -109,7 +110,7 @@ def scenes_sheet(scenes: Sequence[Scene]) -> Rgb:
 
 def random_sheet(seed: int, count: int, columns: int = 3) -> Rgb:
     """Return random scenes from a seed on, as `w2c scenes render` makes them."""
-    pool = Pool(seed // SCENES_PER_POOL, *SCENE_TILE)
+    pool = Pool(seed // SCENES_PER_STOCK, *SCENE_TILE)
     try:
         tiles = []
         for number in range(seed, seed + count):

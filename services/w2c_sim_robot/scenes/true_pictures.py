@@ -15,9 +15,10 @@ import numpy.typing as npt
 
 from w2c.errors import ConfigError
 from w2c_sim_robot.camera.gl import choose_backend
+from w2c_sim_robot.scenes.assets import SCENES_PER_STOCK
 from w2c_sim_robot.scenes.objects.catalogue import KINDS
 from w2c_sim_robot.scenes.objects.palette import Colour
-from w2c_sim_robot.scenes.pool import SCENES_PER_POOL, Pool
+from w2c_sim_robot.scenes.pool import Pool
 from w2c_sim_robot.scenes.random_scene import random_scene
 from w2c_sim_robot.scenes.render import SHADOW_SHARE, truth
 from w2c_sim_robot.scenes.scene import Light, Scene, Surroundings
@@ -88,7 +89,7 @@ class TruePictures:
             self._block = -1
 
     def _stock(self, seed: int) -> Pool:
-        block = seed // SCENES_PER_POOL
+        block = seed // SCENES_PER_STOCK
         if self._pool is None or block != self._block:
             self.close()
             self._pool, self._block = Pool(block, *self._size), block
