@@ -88,7 +88,8 @@ class Grounder:
         return seen
 
     def _answer(self, phrase: str, evidence: Evidence, *, with_heatmap: bool) -> m.PhraseEvidence:
-        finding = find(evidence.heatmap, self._card.threshold, self._rule, evidence.boxes)
+        card = self._card
+        finding = find(evidence.heatmap, card.threshold, self._rule, evidence.boxes, card.edge)
         self.dropped_boxes += finding.dropped_boxes
         boxes = [
             m.Box(

@@ -10,6 +10,7 @@ from typing import Annotated
 import msgspec
 
 from w2c.errors import ConfigError, ModelError
+from w2c_grounding.evidence import REGION_FRACTION
 from w2c_grounding.wording import check_template
 
 CARD_FILE = "grounding.json"
@@ -26,6 +27,8 @@ class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     name: Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
     template: str = DEFAULT_TEMPLATE
     threshold: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = DEFAULT_THRESHOLD
+    edge: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = REGION_FRACTION
+    """Share of a heatmap's peak at which a thing ends"""
     vocabulary: list[str] | None = None
     """Words of the training phrases that named something; None = not known"""
     compares_sizes: bool = False

@@ -85,6 +85,7 @@ def find(
     threshold: float,
     rule: PointRule = "interior",
     boxes: Iterable[ScoredBox] | None = None,
+    edge: float = REGION_FRACTION,
 ) -> Finding:
     """Turn the evidence for a phrase into an answer.
 
@@ -96,6 +97,7 @@ def find(
         threshold: A score below it means: the picture does not show this.
         rule: How the point is chosen, see `interior_point` and `peak_point`.
         boxes: As the model gave them; None = it gives none. See `boxes.usable` for what is dropped.
+        edge: Share of the peak at which a thing ends in a heatmap of this model.
 
     Raises:
         ModelError: the heatmap holds a value that is not finite, or no box has a score that is.
@@ -105,7 +107,7 @@ def find(
         raise ModelError(f"the model answered with a heat of {peak}; {_OVERFLOW}")
     if boxes is None:
         score, dropped = peak, 0
-        regions = regions_of(heatmap, threshold) if score >= threshold else ()
+        regions = regions_of(heatmap, threshold, edge) if score >= threshold else ()
     else:
         height, width = heatmap.shape
         given = tuple(boxes)
@@ -139,13 +141,15 @@ def region_of_box(heatmap: Heatmap, box: ScoredBox) -> Region:
     return Region(left, top, right, bottom, box.score, mask)
 
 
-def regions_of(heatmap: Heatmap, threshold: float) -> tuple[Region, ...]:
+def regions_of(
+    heatmap: Heatmap, threshold: float, edge: float = REGION_FRACTION
+) -> tuple[Region, ...]:
     """Return the connected regions whose own peak reaches the threshold, the highest peak first.
 
-    Regions are eight-connected sets of pixels with at least `REGION_FRACTION` of the picture's
-    peak. Equal peaks: the larger region comes first.
+    Regions are eight-connected sets of pixels with at least the share `edge` of the picture's peak.
+    Equal peaks: the larger region comes first.
     """
-    level = REGION_FRACTION * float(heatmap.max())
+    level = edge * float(heatmap.max())
     inside = (heatmap >= level).astype(np.uint8)
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(inside, connectivity=8)
     regions: list[tuple[float, int, Region]] = []
@@ -175,18 +179,29 @@ def peak_point(heatmap: Heatmap, region: Region | None = None) -> Pixel:
 def interior_point(heatmap: Heatmap, region: Region) -> Pixel:
     """Return the pixel of a region that is both hot and far from the region's edge.
 
-    It maximises heat times distance to the edge. The arg-max alone often lies at a rim, where a
-    hand that lands a centimetre off misses the object. The picture's border counts as an edge.
-    Where nothing is hot (a model's box that its heatmap does not show) the distance decides. Of
+    It maximises heat times distance to the edge of the part around the peak that has at least
+    `REGION_FRACTION` of it. The arg-max alone often lies at a rim, where a hand that lands a
+    centimetre off misses the object. The picture's border counts as an edge. Where nothing is hot (a model's box that its heatmap does not show) the distance decides. Of
     equally good pixels the one nearest to their mean: the middle of a long box, not its start.
     """
-    padded = np.pad(region.mask.astype(np.uint8), 1)
-    distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
     heat = heatmap[region.top : region.bottom, region.left : region.right]
+    padded = np.pad(_around_peak(heat, region.mask).astype(np.uint8), 1)
+    distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
     weight = heat * distance if heat.any() else distance
     best = np.argwhere(weight == weight.max())  # (n, 2), (v, u)
     v, u = best[np.square(best - best.mean(axis=0)).sum(axis=1).argmin()]
     return float(region.left + u) + 0.5, float(region.top + v) + 0.5
+
+
+def _around_peak(heat: Heatmap, mask: Mask) -> Mask:
+    """Return the connected part of a mask with the peak in it and at least half of its heat."""
+    inside = np.where(mask, heat, 0.0)
+    if not inside.any():
+        return mask
+    hot = (inside >= REGION_FRACTION * inside.max()).astype(np.uint8)
+    _, labels = cv2.connectedComponents(hot, connectivity=8)
+    peak = np.unravel_index(int(inside.argmax()), inside.shape)
+    return np.asarray(labels == labels[peak], dtype=np.bool_)
 
 
 def thumbnail(heatmap: Heatmap, longest_side: int = 320) -> npt.NDArray[np.uint8]:

@@ -148,7 +148,7 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
     card = _card(config, entry, directory, name or source)
     family = entry.load(config, source, card)
     if card.compares_sizes:
-        family, card = ComparesSizes(family, card.threshold), _knowing_sizes(card)
+        family, card = ComparesSizes(family, card.threshold, card.edge), _knowing_sizes(card)
     return Guarded(family, config.device), card
 
 

@@ -30,8 +30,8 @@ LEAST_SHARE = 0.08
 """Of the largest region: less is a piece of something"""
 ALIKE = 1.1
 """Areas that differ by less than this factor do not tell which is meant"""
-OTHERS = 0.9 * REGION_FRACTION
-"""Heat of all else, at most, over the peak of the chosen one: no region of its own"""
+FADED = 0.9
+"""Heat of all else, at most, over that at the edge of the chosen one: no region of its own"""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,9 @@ def split(phrase: str) -> Sized | None:
     return Sized(" ".join(rest), sizes[0] in LARGE)
 
 
-def compared(evidence: Evidence, threshold: float, *, large: bool) -> Evidence:
+def compared(
+    evidence: Evidence, threshold: float, *, large: bool, edge: float = REGION_FRACTION
+) -> Evidence:
     """Return the evidence of the largest, or smallest, of the things that fit.
 
     Where fewer than two fit, or the sizes do not tell, it stays as it is.
@@ -65,9 +67,10 @@ def compared(evidence: Evidence, threshold: float, *, large: bool) -> Evidence:
         evidence: Of the phrase without its word of size.
         threshold: What scores less does not fit.
         large: Whether the largest is wanted.
+        edge: Share of the peak at which a thing ends.
     """
     heatmap = evidence.heatmap
-    regions = find(heatmap, threshold, boxes=evidence.boxes).regions
+    regions = find(heatmap, threshold, boxes=evidence.boxes, edge=edge).regions
     areas = {number: int(np.count_nonzero(one.mask)) for number, one in enumerate(regions)}
     least = max(LEAST_AREA * heatmap.size, LEAST_SHARE * max(areas.values(), default=0))
     order = sorted((n for n, area in areas.items() if area >= least), key=areas.__getitem__)
@@ -77,18 +80,18 @@ def compared(evidence: Evidence, threshold: float, *, large: bool) -> Evidence:
         return evidence
     chosen = regions[order[0]]
     boxes = None if evidence.boxes is None else (_box(chosen),)
-    return replace(evidence, heatmap=_alone(heatmap, chosen), boxes=boxes)
+    return replace(evidence, heatmap=_alone(heatmap, chosen, edge), boxes=boxes)
 
 
 def _alike(one: int, other: int) -> bool:
     return max(one, other) < ALIKE * min(one, other)
 
 
-def _alone(heatmap: Heatmap, chosen: Region) -> Heatmap:
+def _alone(heatmap: Heatmap, chosen: Region, edge: float) -> Heatmap:
     """Return a heatmap in which nothing but one region is hot."""
     window = np.s_[chosen.top : chosen.bottom, chosen.left : chosen.right]
     peak = float(heatmap[window][chosen.mask].max())
-    faint = heatmap * np.float32(OTHERS * peak / max(float(heatmap.max()), 1e-6))
+    faint = heatmap * np.float32(FADED * edge * peak / max(float(heatmap.max()), 1e-6))
     faint[window][chosen.mask] = heatmap[window][chosen.mask]
     return faint
 
@@ -106,10 +109,13 @@ def _box(region: Region) -> ScoredBox:
 class ComparesSizes(Generic[ContextT]):
     """Wraps a family that does not know large from small."""
 
-    def __init__(self, family: Family[ContextT], threshold: float) -> None:
-        """Wrap a family; what scores below the threshold is not compared."""
+    def __init__(
+        self, family: Family[ContextT], threshold: float, edge: float = REGION_FRACTION
+    ) -> None:
+        """Wrap a family; see `compared` for threshold and edge."""
         self.family = family
         self._threshold = threshold
+        self._edge = edge
 
     def prepare(self, image: RgbImage) -> ContextT:
         """Return what the model keeps of a picture."""
@@ -123,6 +129,8 @@ class ComparesSizes(Generic[ContextT]):
         ]
         found = self.family.query(context, asked)
         return [
-            one if size is None else compared(one, self._threshold, large=size.large)
+            one
+            if size is None
+            else compared(one, self._threshold, large=size.large, edge=self._edge)
             for one, size in zip(found, sized, strict=True)
         ]

@@ -52,17 +52,17 @@ def test_the_point_lies_in_the_best_region_whatever_the_heatmap(
 
 
 @settings(deadline=None)
-@given(heatmaps)
-def test_regions_cover_exactly_the_hot_pixels_and_boxes_are_tight(heat: Heat) -> None:
+@given(heatmaps, st.sampled_from((REGION_FRACTION, 0.3, 0.9)))
+def test_regions_cover_exactly_the_hot_pixels_and_boxes_are_tight(heat: Heat, edge: float) -> None:
     covered = np.zeros(heat.shape, dtype=bool)
     # A threshold of nothing keeps every region.
-    for region in regions_of(heat, 0.0):
+    for region in regions_of(heat, 0.0, edge):
         window = covered[region.top : region.bottom, region.left : region.right]
         assert not (window & region.mask).any(), "regions overlap"
         window |= region.mask
         edges = region.mask[:, 0], region.mask[:, -1], region.mask[0], region.mask[-1]
         assert all(edge.any() for edge in edges), "the box is larger than the region"
-    assert (covered == (heat >= REGION_FRACTION * heat.max())).all()
+    assert (covered == (heat >= edge * heat.max())).all()
 
 
 @settings(deadline=None)
@@ -106,6 +106,16 @@ def test_the_interior_point_keeps_away_from_a_hot_rim() -> None:
     assert point is not None
     assert np.hypot(point[0] - 50, point[1] - 30) < 3.0
     assert find(heat, 0.5, "peak").point == (31.5, 30.5)
+
+
+def test_a_thing_reaches_as_far_as_its_edge_and_its_point_keeps_to_what_is_hot() -> None:
+    heat = np.zeros((40, 100), dtype=np.float32)
+    heat[10:30, 10:30] = 0.9
+    heat[10:30, 30:90] = 0.4  # less than half of the peak
+    narrow, wide = find(heat, 0.5), find(heat, 0.5, edge=0.3)
+    assert (narrow.regions[0].left, narrow.regions[0].right) == (10, 30)
+    assert (wide.regions[0].left, wide.regions[0].right) == (10, 90)
+    assert wide.point == narrow.point
 
 
 def test_the_border_of_the_picture_counts_as_an_edge() -> None:

@@ -75,6 +75,12 @@ def test_one_of_two_remains(large: bool, chosen: tuple[int, int, int, float]) ->
     assert top <= v <= top + side
 
 
+def test_the_others_stay_below_a_lower_edge() -> None:
+    evidence = compared(Evidence(heat(SMALLER, LARGER)), THRESHOLD, large=True, edge=0.3)
+    (region,) = find(evidence.heatmap, THRESHOLD, edge=0.3).regions
+    assert (region.left, region.top) == LARGER[:2]
+
+
 @pytest.mark.parametrize(("large", "index"), [(True, 1), (False, 0)])
 def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
     boxes = tuple(
