@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from w2c.messages import PhraseEvidence
 from w2c_dialogue.answers import PointAnswer, read
+from w2c_dialogue.beside import at_its_foot
 from w2c_dialogue.expressions import ImagePoint, evaluate_point, object_symbols
 from w2c_dialogue.interfaces import Frame, LanguageModel
 from w2c_dialogue.prompts.base import PromptSet, SceneObject
@@ -49,6 +50,7 @@ def predict(
         pixels_per_cm=pixels_per_cm,
         size=(frame.width, frame.height),
     )
+    point = at_its_foot(point, objects)
     warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
     return Prediction(point.u, point.v, objects, warnings)
 

@@ -34,10 +34,10 @@ def test_on_a_thing_is_the_point_that_grounding_chose() -> None:
     assert (found.failed, found.asks) == ("", False)
 
 
-def test_relative_to_a_thing_is_the_models_arithmetic_on_its_box() -> None:
+def test_relative_to_a_thing_is_the_models_arithmetic_on_its_box_and_at_its_foot() -> None:
     found = predict("left of the cup", analyze=[RELATIVE])
 
-    assert found.point == (550.0, 350.0)
+    assert found.point == (550.0, 367.0)
     assert found.position == "relative"
 
 
@@ -48,7 +48,7 @@ def test_centimetres_are_as_long_as_was_said() -> None:
     predicting = Predicting(model, KnownThings(**THINGS))
     found = predicting.predict("left of the cup", b"picture", (1280, 720), 8.0)
 
-    assert found.point == (560.0, 350.0)
+    assert found.point == (560.0, 367.0)
 
 
 def test_of_several_things_the_best_is_taken_and_it_says_so() -> None:
@@ -108,5 +108,5 @@ def test_with_a_single_prompt_the_model_is_asked_once() -> None:
 
     found = predicting.predict("right of the cup", b"picture", (1280, 720))
 
-    assert found.point == (710.0, 350.0)
+    assert found.point == (710.0, 367.0)
     assert [question.task for question in model.questions] == ["analyze"]
