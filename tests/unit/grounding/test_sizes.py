@@ -97,7 +97,7 @@ def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
     [
         pytest.param((SMALLER,), id="one thing"),
         pytest.param((), id="nothing"),
-        pytest.param(((10, 10, 40, 0.9), (100, 100, 41, 0.9)), id="two alike"),
+        pytest.param(((10, 100, 40, 0.9), (100, 100, 41, 0.9)), id="two alike"),
         pytest.param((LARGER, (10, 10, 20, 0.4)), id="the other below the threshold"),
         pytest.param(((10, 10, 40, 0.9), (100, 100, 4, 0.9)), id="a stain"),
         pytest.param(((10, 10, 90, 0.9), (120, 120, 20, 0.9)), id="a piece"),
@@ -106,6 +106,13 @@ def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
 def test_where_sizes_tell_nothing_all_stays(squares: tuple[tuple[int, int, int, float]]) -> None:
     evidence = Evidence(heat(*squares))
     assert compared(evidence, THRESHOLD, large=False) is evidence
+
+
+def test_of_two_of_one_area_the_lower_one_is_nearer_and_so_the_small_one() -> None:
+    far, near = (10, 10, 40, 0.9), (100, 150, 40, 0.8)
+    evidence = compared(Evidence(heat(far, near)), THRESHOLD, large=False)
+    (region,) = find(evidence.heatmap, THRESHOLD).regions
+    assert (region.left, region.top) == near[:2]
 
 
 class Remembers:
