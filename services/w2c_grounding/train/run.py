@@ -156,10 +156,10 @@ class Run:
         """
         family, _ = load(ModelConfig(model=str(checkpoint), threads=self._task.threads))
         some = kept[:: max(1, len(kept) // CALIBRATION_PICTURES)]
-        trials = run_trials(family, some[::2], self._task.seed)
+        trials = run_trials(family, some[::2], self._task.seed, edge=card.edge)
         threshold = calibrate(trials)
         write_card(msgspec.structs.replace(card, threshold=threshold), checkpoint)
-        scored = run_trials(family, some[1::2] or some, self._task.seed)
+        scored = run_trials(family, some[1::2] or some, self._task.seed, edge=card.edge)
         found = summarise(scored, threshold)
         return {"threshold": threshold, **{name: value for name, (value, _) in found.items()}}
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from w2c.errors import ConfigError
-from w2c_grounding.evidence import find, peak_point
+from w2c_grounding.evidence import REGION_FRACTION, find, peak_point
 from w2c_grounding.family import Family
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.picture import decode
@@ -69,7 +69,8 @@ def score_model(
         ModelError: the checkpoint is damaged.
     """
     family, card = load(ModelConfig(model=model, threads=threads))
-    return run_trials(family, truth_files(directory), seed, report), card.threshold, card.name
+    trials = run_trials(family, truth_files(directory), seed, report, edge=card.edge)
+    return trials, card.threshold, card.name
 
 
 def run_trials(
@@ -77,8 +78,13 @@ def run_trials(
     files: Sequence[Path],
     seed: int,
     report: Callable[[str], None] = lambda _: None,
+    *,
+    edge: float = REGION_FRACTION,
 ) -> list[Trial]:
-    """Ask for every clearly visible object in every way that fits it, and for absent things."""
+    """Ask for every clearly visible object in every way that fits it, and for absent things.
+
+    A thing ends in a heatmap at the share `edge` of the peak.
+    """
     truths = [read_truth(path) for path in files]
     asker = Asker(truths)
     rng = np.random.default_rng([seed, 31])
@@ -88,7 +94,8 @@ def run_trials(
         shown = cropped(truth, truth.width, truth.height, seen)
         asked = list(_present(shown, rng))
         absent = [asker.absent(shown, rng) for _ in range(ABSENT_PER_PICTURE)]
-        trials += _ask(family, path, shown, [*asked, *((text, None, None) for text in absent)])
+        asks = [*asked, *((text, None, None) for text in absent)]
+        trials += _ask(family, path, shown, asks, edge)
         if number % 50 == 0:
             report(f"{number} of {len(files)} pictures")
     return trials
@@ -98,7 +105,7 @@ Ask = tuple[str, PhraseKind | None, ObjectTruth | None]
 
 
 def _ask(
-    family: Family[Any], path: Path, truth: PictureTruth, asks: Sequence[Ask]
+    family: Family[Any], path: Path, truth: PictureTruth, asks: Sequence[Ask], edge: float
 ) -> Iterable[Trial]:
     try:
         image = decode((path.parent / truth.image).read_bytes())
@@ -110,7 +117,7 @@ def _ask(
         some = asks[first : first + MOST_PHRASES]
         evidence = family.query(context, [text for text, _, _ in some])
         for (text, phrase_kind, item), one in zip(some, evidence, strict=True):
-            finding = find(one.heatmap, 0.0, boxes=one.boxes)
+            finding = find(one.heatmap, 0.0, boxes=one.boxes, edge=edge)
             wanted = np.isin(owners, fitting(truth, text)) if item is not None else None
             peak = peak_point(one.heatmap)
             yield Trial(

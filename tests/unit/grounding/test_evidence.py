@@ -115,7 +115,25 @@ def test_a_thing_reaches_as_far_as_its_edge_and_its_point_keeps_to_what_is_hot()
     narrow, wide = find(heat, 0.5), find(heat, 0.5, edge=0.3)
     assert (narrow.regions[0].left, narrow.regions[0].right) == (10, 30)
     assert (wide.regions[0].left, wide.regions[0].right) == (10, 90)
-    assert wide.point == narrow.point
+    assert narrow.point == pytest.approx((20, 20), abs=1.0)
+    assert wide.point is not None
+    assert 20 < wide.point[0] < 30
+
+
+def test_the_point_is_near_the_middle_of_a_thing_that_is_hotter_at_one_end() -> None:
+    heat = np.zeros((60, 140), dtype=np.float32)
+    heat[20:40, 20:100] = np.linspace(0.95, 0.6, 80)
+    u, v = interior_point(heat, regions_of(heat, 0.5)[0])
+    assert (u, v) == pytest.approx((57, 30), abs=4.0)
+
+
+def test_in_a_long_thin_region_the_point_stays_where_it_is_hot() -> None:
+    heat = np.zeros((4, 4000), dtype=np.float32)
+    heat[1, :] = 0.3
+    heat[1, :5] = 0.9
+    u, v = interior_point(heat, regions_of(heat, 0.5, 0.2)[0])
+    assert u < 5
+    assert v == 1.5
 
 
 def test_the_border_of_the_picture_counts_as_an_edge() -> None:
