@@ -1,6 +1,7 @@
 """Things without colour and place: what a set of scenes is made of."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -45,6 +46,8 @@ class Asset:
     size: Size
     variant: int
     material: str
+    for_paper: bool = False
+    """In stock only so that scenes like one of the paper's have it"""
 
 
 def paper_scene_of(seed: int) -> PaperScene:
@@ -70,10 +73,24 @@ def random_assets(
 
     The kinds of `paper_scene` are among them.
     """
-    assets = []
     stock = _stock(rng, judging)
-    special = [kind for kind in PAPER_KINDS[paper_scene] if kind not in stock]
-    for kind in (*CARRIERS, *stock, *PAPER_FURNITURE[paper_scene], *special):
+    missing = [kind for kind in PAPER_KINDS[paper_scene] if kind not in stock]
+    # Of a generator of their own, so that the others are the same whatever the paper's scene.
+    own = rng.spawn(1)[0]
+    return (
+        *_of_kinds((*CARRIERS, *stock), rng, copies, judging),
+        *(
+            replace(asset, for_paper=True)
+            for asset in _of_kinds((*PAPER_FURNITURE[paper_scene], *missing), own, copies, judging)
+        ),
+    )
+
+
+def _of_kinds(
+    kinds: tuple[str, ...], rng: np.random.Generator, copies: int, judging: bool
+) -> Iterator[Asset]:
+    """Yield `copies` things of each kind, of furniture one; two differ in some way."""
+    for kind in kinds:
         furniture = KINDS[kind].furniture
         first: Asset | None = None
         for number in range(1 if furniture else copies):
@@ -90,8 +107,7 @@ def random_assets(
                     material = _another(rng, kind, first.material, judging)
             asset = Asset(f"{kind}_{number}", kind, size, variant, material)
             first = first or asset
-            assets.append(asset)
-    return tuple(assets)
+            yield asset
 
 
 def _stock(rng: np.random.Generator, judging: bool) -> tuple[str, ...]:

@@ -54,7 +54,11 @@ def random_scene(
         paper_scene = "a"
     stage = draw_stage(rng, assets, paper_scene, judging=judging)
     placed_kinds = {item.kind for item in stage.furniture}
-    stock = tuple(asset for asset in assets if asset.kind not in placed_kinds)
+    stock = tuple(
+        asset
+        for asset in assets
+        if asset.kind not in placed_kinds and not (asset.for_paper and paper_scene is None)
+    )
     wanted = () if paper_scene is None else PAPER_KINDS[paper_scene]
     chosen = _choose(rng, stock, stage.name, wanted)
     if paper_scene is not None and rng.random() < PAPER_ONLY_SHARE:

@@ -120,6 +120,13 @@ def test_in_scenes_like_the_papers_nothing_is_inside_anything_else(letter: Paper
         assert deepest_overlap(scene.objects) is None, scene.seed
 
 
+def test_a_scene_like_none_of_the_papers_is_the_same_whatever_else_is_in_stock() -> None:
+    stocks = [random_assets(np.random.default_rng(5), paper_scene=one) for one in ("a", "b", "d")]
+    assert len({len(stock) for stock in stocks}) == 3
+    scenes = [random_scene(17, stock, 0.0).objects for stock in stocks]
+    assert scenes[0] == scenes[1] == scenes[2]
+
+
 def test_without_the_things_of_its_scene_a_seed_gives_one_like_a() -> None:
     assets = random_assets(np.random.default_rng(3), paper_scene="a")
     scene = random_scene(SCENES_PER_STOCK, assets, 1.0)
