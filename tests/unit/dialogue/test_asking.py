@@ -52,7 +52,7 @@ def test_a_place_beside_one_of_two_things_is_asked_about() -> None:
     turn = world.say("the left one")
     assert turn.module == "prediction.relative"
     assert turn.target is not None
-    assert (turn.target.u, turn.target.v) == (70, 240)
+    assert (turn.target.u, turn.target.v) == pytest.approx((70, 253.6))
 
 
 def test_a_correction_towards_one_of_two_things_is_asked_about() -> None:
