@@ -191,9 +191,9 @@ def interior_point(heatmap: Heatmap, region: Region) -> Pixel:
     heat = heatmap[region.top : region.bottom, region.left : region.right]
     peak = float(heat[region.mask].max())
     hot = heat / np.float32(peak) if peak > 0.0 else np.ones_like(heat)
-    padded = np.pad(_around_peak(hot, region.mask).astype(np.uint8), 1)
-    distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
     weights = np.where(region.mask, hot, np.float32(0.0))
+    padded = np.pad(_around_peak(weights), 1)
+    distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
     down, across = (
         np.square(np.arange(len(sums), dtype=np.float32) - _mean_index(sums))
         for sums in (weights.sum(axis=1), weights.sum(axis=0))
@@ -212,13 +212,12 @@ def _mean_index(weights: npt.NDArray[np.float32]) -> np.float32:
     return np.float32(np.average(np.arange(len(weights)), weights=weights))
 
 
-def _around_peak(heat: Heatmap, mask: Mask) -> Mask:
-    """Return the connected part of a mask with the peak in it and at least half of its heat."""
-    inside = np.where(mask, heat, 0.0)
-    hot = (inside >= REGION_FRACTION * inside.max()).astype(np.uint8)
+def _around_peak(heat: Heatmap) -> npt.NDArray[np.uint8]:
+    """Return 1 in the connected part with the peak in it and at least half of its heat, else 0."""
+    hot = (heat >= REGION_FRACTION * heat.max()).astype(np.uint8)
     _, labels = cv2.connectedComponents(hot, connectivity=8)
-    peak = np.unravel_index(int(inside.argmax()), inside.shape)
-    return np.asarray(labels == labels[peak], dtype=np.bool_)
+    peak = np.unravel_index(int(heat.argmax()), heat.shape)
+    return np.asarray(labels == labels[peak], dtype=np.uint8)
 
 
 def thumbnail(heatmap: Heatmap, longest_side: int = 320) -> npt.NDArray[np.uint8]:

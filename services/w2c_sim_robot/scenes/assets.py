@@ -13,18 +13,11 @@ from w2c_sim_robot.scenes.objects.shape import Size
 PaperScene = Literal["a", "b", "c", "d"]
 PAPER_KINDS: dict[PaperScene, tuple[str, ...]] = {
     "a": ("book", "mug", "bottle", "bowl"),
-    "b": ("plate", "dish_rack", "mug"),
+    "b": ("dishwasher", "plate", "dish_rack", "mug"),
     "c": ("mallet", "nail_box", "toolbox", "screwdriver"),
-    "d": ("cheez_it_box", "drape", "bowl"),
+    "d": ("fridge", "cheez_it_box", "drape", "bowl"),
 }
-"""What may be moved in the scenes of the paper. That of (a) is always in stock"""
-PAPER_FURNITURE: dict[PaperScene, tuple[str, ...]] = {
-    "a": (),
-    "b": ("dishwasher",),
-    "c": (),
-    "d": ("fridge",),
-}
-"""Beside what is always in stock"""
+"""What is in the scenes of the paper beside table and counter. That of (a) is always in stock"""
 CARRIERS = ("table", "counter", "shelf")
 SCENES_PER_STOCK = 50
 """Scenes of consecutive seeds that have things in common"""
@@ -58,8 +51,7 @@ def paper_scene_of(seed: int) -> PaperScene:
 
 def has_things_of(paper_scene: PaperScene, assets: tuple[Asset, ...]) -> bool:
     """Whether a scene like this one of the paper can be made of these assets."""
-    kinds = {asset.kind for asset in assets}
-    return kinds.issuperset((*PAPER_KINDS[paper_scene], *PAPER_FURNITURE[paper_scene]))
+    return {asset.kind for asset in assets}.issuperset(PAPER_KINDS[paper_scene])
 
 
 def random_assets(
@@ -74,15 +66,12 @@ def random_assets(
     The kinds of `paper_scene` are among them.
     """
     stock = _stock(rng, judging)
-    missing = [kind for kind in PAPER_KINDS[paper_scene] if kind not in stock]
+    missing = tuple(kind for kind in PAPER_KINDS[paper_scene] if kind not in stock)
     # Of a generator of their own, so that the others are the same whatever the paper's scene.
     own = rng.spawn(1)[0]
     return (
         *_of_kinds((*CARRIERS, *stock), rng, copies, judging),
-        *(
-            replace(asset, for_paper=True)
-            for asset in _of_kinds((*PAPER_FURNITURE[paper_scene], *missing), own, copies, judging)
-        ),
+        *(replace(asset, for_paper=True) for asset in _of_kinds(missing, own, copies, judging)),
     )
 
 

@@ -62,8 +62,8 @@ def random_scene(
     wanted = () if paper_scene is None else PAPER_KINDS[paper_scene]
     chosen = _choose(rng, stock, stage.name, wanted)
     if paper_scene is not None and rng.random() < PAPER_ONLY_SHARE:
-        kinds = [kind for kind in wanted if any(asset.kind == kind for asset in chosen)]
-        chosen = [next(asset for asset in chosen if asset.kind == kind) for kind in kinds]
+        first = {asset.kind: asset for asset in reversed(chosen)}
+        chosen = [first[kind] for kind in wanted if kind in first]
         colours = _colours(rng, chosen, judging)
         colours = [PAPER_COLOURS.get(a.kind, c) for a, c in zip(chosen, colours, strict=True)]
     else:

@@ -1,7 +1,8 @@
 """What things stand on by chance: a piece of furniture, the furniture of the paper's, or the floor.
 
-Scenes of the paper are not copied: their furniture has other sizes and colours, and half of them
-are mirrored, so that a model learns what a dishwasher is and not where it was.
+Scenes of the paper are not copied: their furniture has other sizes and colours, and a third of
+those like (b) and (d) are mirrored, so that a model learns what a dishwasher is and not where it
+was.
 """
 
 from collections.abc import Mapping
@@ -32,8 +33,8 @@ REGIONS: dict[PaperScene, dict[str, Region]] = {
     "d": {"cheez_it_box": ((0.95, 1.32), (0.02, 0.32))},
 }
 """Where the things of the paper's scenes stand: x and y [m]; of (d) seen from the fridge"""
-PAPER_FURNITURE_COLOUR = 0.6
-"""Share of white counters and white cloths in scenes like the paper's"""
+WHITE_SHARE = 0.6
+"""Of counters and cloths in scenes like the paper's, where they are white"""
 CLOTH_THICK = 0.004
 DRAPED_SHARE = 0.75
 
@@ -99,10 +100,9 @@ def _dishwasher(rng: np.random.Generator, assets: tuple[Asset, ...], judging: bo
     counter, machine, rack = (_find(assets, k) for k in ("counter", "dishwasher", "dish_rack"))
     edge = -side * float(rng.uniform(0.0, 0.18))
     front = float(rng.uniform(0.25, 0.40))
-    white = rng.random() < PAPER_FURNITURE_COLOUR
     worktop = _made(
         counter,
-        "white" if white else _colour(rng, "counter"),
+        _often_white(rng, "counter"),
         (front + counter.size[0] / 2, edge - side * counter.size[1] / 2, 0.0),
     )
     door = float(rng.uniform(0.70, 1.05))
@@ -127,7 +127,7 @@ def _plates(
     plates = [asset for asset in assets if asset.kind == "plate"]
     plates = [plates[i] for i in rng.permutation(len(plates))][: int(rng.integers(1, 3))]
     allowed = [c for c in KINDS["plate"].colours if judging or not held_out("plate", c)]
-    # Most often the red one of the paper is in front.
+    # In half of them the red one of the paper is in front.
     colours = ["red", *(str(c) for c in rng.permutation([c for c in allowed if c != "red"]))]
     if rng.random() < 0.5:
         colours = colours[1:]
@@ -170,11 +170,10 @@ def _fridge(rng: np.random.Generator, assets: tuple[Asset, ...]) -> Stage:
     }
     if rng.random() >= DRAPED_SHARE:
         return Stage("fridge", (low, beside), (_top(beside), _top(low)), regions)
-    white = rng.random() < PAPER_FURNITURE_COLOUR
     slack = max(0.0, (fridge.size[1] - cloth.size[1]) / 2)
     over = _made(
         cloth,
-        "white" if white else _colour(rng, "drape"),
+        _often_white(rng, "drape"),
         (
             front + cloth.size[0] / 2 - float(rng.uniform(0.02, 0.04)),
             across + float(rng.uniform(-slack, slack)),
@@ -211,6 +210,10 @@ def _colour(rng: np.random.Generator, kind: str) -> str:
     colours = KINDS[kind].colours
     others = len(colours) - 1
     return str(rng.choice(colours, p=[0.6, *[0.4 / others] * others]))
+
+
+def _often_white(rng: np.random.Generator, kind: str) -> str:
+    return "white" if rng.random() < WHITE_SHARE else _colour(rng, kind)
 
 
 def _top(item: SceneObject) -> Surface:

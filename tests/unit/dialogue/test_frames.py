@@ -108,8 +108,7 @@ def test_the_first_picture_of_all_is_waited_for_where_the_operator_saw_it() -> N
         FrameStore().find(2)
 
 
-def test_a_dialogue_that_has_just_begun_waits_for_its_first_picture() -> None:
-    store = FrameStore()
+def waits_for_its_first_picture(store: FrameStore) -> None:
     found: list[Frame] = []
     thread = threading.Thread(target=lambda: found.append(store.find(-1, wait_s=60.0)))
     thread.start()
@@ -118,6 +117,10 @@ def test_a_dialogue_that_has_just_begun_waits_for_its_first_picture() -> None:
     store.add_frame(frame(1))
     thread.join(timeout=10.0)
     assert [one.stamp_ns for one in found] == [1]
+
+
+def test_a_dialogue_that_has_just_begun_waits_for_its_first_picture() -> None:
+    waits_for_its_first_picture(FrameStore())
 
 
 def test_no_camera_is_waited_for_once_and_then_said_at_once() -> None:
@@ -134,14 +137,7 @@ def test_a_look_without_patience_does_not_use_up_that_of_the_first_picture() -> 
     store = FrameStore()
     with pytest.raises(RefusedError, match="camera does not send"):
         store.find(-1)
-    found: list[Frame] = []
-    thread = threading.Thread(target=lambda: found.append(store.find(-1, wait_s=60.0)))
-    thread.start()
-    thread.join(timeout=0.1)
-    assert thread.is_alive()
-    store.add_frame(frame(1))
-    thread.join(timeout=10.0)
-    assert [one.stamp_ns for one in found] == [1]
+    waits_for_its_first_picture(store)
 
 
 def test_without_patience_no_camera_is_said_at_once() -> None:
