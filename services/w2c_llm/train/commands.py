@@ -56,6 +56,7 @@ def _plan(options: argparse.Namespace) -> TrainingPlan:
         batch=options.batch,
         peak_rate=options.rate,
         prompt_weight=options.prompt_weight,
+        dropout=options.dropout,
         threads=options.threads,
         weights=options.weights,
         seed=options.seed,
@@ -126,6 +127,12 @@ def _parser() -> argparse.ArgumentParser:
         type=float,
         default=0.0,
         help="of a prompt's token in the loss (default 0: faster, and no worse)",
+    )
+    parser.add_argument(
+        "--dropout",
+        type=float,
+        default=0.0,
+        help="share of what each block adds that is left out while training (default 0)",
     )
     cores = len(os.sched_getaffinity(0))
     parser.add_argument(

@@ -1,8 +1,8 @@
 """The training loop: one pass over the data after another, until the time or the steps are spent.
 
-The order of the examples is a function of seed and epoch, and there is no dropout, so a run that is
-resumed does what it would have done. The learning rate follows the share of the budget that is
-spent: of wall time, which no two runs spend alike, or of steps, which all do.
+The order of the examples is a function of seed and epoch, what dropout leaves out one of seed and
+step, so a run that is resumed does what it would have done. The learning rate follows the share of
+the budget that is spent: of wall time, which no two runs spend alike, or of steps, which all do.
 """
 
 import math
@@ -18,6 +18,7 @@ from w2c.clock import Clock
 from w2c.errors import ModelError
 from w2c_llm.train.batches import Batch, Mixture, epoch_groups, make_batch
 from w2c_llm.train.device import CPU, Device
+from w2c_llm.train.dropout import Dropout
 from w2c_llm.train.optimizer import Optimizer
 
 _MOST_SKIPPED = 20
@@ -42,6 +43,8 @@ class Recipe:
     takes less time, and in a small trial it taught no less."""
     prompt_share: float = 0.6
     """Share of the budget in which prompts count: then the time goes to the answers alone"""
+    dropout: float = 0.0
+    """Share of what each block adds that is left out"""
     closing_s: float = 60.0
     """Kept back from the minutes for scores and export, at most a tenth of them"""
     seed: int = 0
@@ -123,6 +126,7 @@ class Trainer:
         self.recipe = recipe
         self.device = device
         self.progress = Progress()
+        self._dropout = Dropout(network, recipe.dropout, recipe.seed)
         self._optimizer = Optimizer(network, recipe.weight_decay, bf16=device.bf16)
         self._clock = clock
         self._started_ns = started_ns
@@ -200,6 +204,7 @@ class Trainer:
     def _step(self, batch: Batch) -> float:
         """Take one step and return the loss."""
         rate = learning_rate(self.recipe, self.progress.fraction(self.recipe))
+        self._dropout.begin_step(self.progress.step)
         with self.device.autocast():
             loss = _weighted_loss(self.network, batch)
         self._optimizer.clear()

@@ -39,6 +39,7 @@ class TrainingPlan:
     batch: int = 96
     peak_rate: float | None = None
     prompt_weight: float = 0.0
+    dropout: float = 0.0
     threads: int = 2
     weights: WeightsName = "q8_0"
     seed: int = 0
@@ -63,6 +64,7 @@ class TrainingPlan:
             ("--batch", self.batch, 1, 4096),
             ("--rate", self.rate, 1e-7, 1.0),
             ("--prompt-weight", self.prompt_weight, 0.0, 1.0),
+            ("--dropout", self.dropout, 0.0, 0.9),
             ("--threads", self.threads, 1, 256),
             ("--seed", self.seed, 0, 2**31 - 1),
             ("--with-share", self.dialogues_share, 0.001, 0.9),

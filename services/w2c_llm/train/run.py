@@ -179,6 +179,7 @@ class Run:
             batch=plan.batch,
             peak_rate=plan.rate,
             prompt_weight=plan.prompt_weight,
+            dropout=plan.dropout,
             seed=plan.seed,
         )
         trainer = Trainer(origin.network, recipe, self._clock, self._started_ns, self._device)
@@ -236,7 +237,8 @@ class Run:
             megabytes=path.stat().st_size / 1e6,
             data=tuple(_describe(source) for source in sources),
             origin=_name_origins(plan.begin_with),
-            recipe=f"Muon and AdamW, cosine from {plan.rate:g}, batches of {plan.batch}",
+            recipe=f"Muon and AdamW, cosine from {plan.rate:g}, batches of {plan.batch}, "
+            f"dropout {plan.dropout:g}",
             examples_seen=progress.examples,
             epochs=progress.examples / len(mixture.order),
             steps=progress.step,

@@ -15,6 +15,7 @@ from w2c_sim_robot.scenes.build import VISUAL_GROUP, colour_of, light_colour, pa
 from w2c_sim_robot.scenes.held_out import is_judging
 from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object, shape_of
 from w2c_sim_robot.scenes.objects.shape import Shape
+from w2c_sim_robot.scenes.open_work import fill_open_work
 from w2c_sim_robot.scenes.scene import Light, Scene, SceneObject, Surroundings
 from w2c_sim_robot.scenes.wording import parts_of
 
@@ -78,7 +79,9 @@ class Pool:
         image = Image(image.rgb, depth)
         pose = world_from_camera(self._data)
         identity = self._identity_of_geom(scene)[geoms]
-        return Shot(image, identity, self._part_of_geom(scene)[geoms], pose, float(fov))
+        parts = self._part_of_geom(scene)[geoms]
+        fill_open_work(scene.objects, identity, parts)
+        return Shot(image, identity, parts, pose, float(fov))
 
     def close(self) -> None:
         """Free the graphics context."""

@@ -66,10 +66,11 @@ def same_weights(one: Trainer, other: Trainer) -> bool:
     return all(torch.equal(mine[name], theirs[name]) for name in mine)
 
 
+@pytest.mark.parametrize("dropout", [0.0, 0.2])
 def test_killed_and_resumed_gives_the_same_weights_as_uninterrupted(
-    mixture: Mixture, tmp_path: Path
+    mixture: Mixture, tmp_path: Path, dropout: float
 ) -> None:
-    recipe = Recipe(minutes=1.0, steps=9, batch=3)
+    recipe = Recipe(minutes=1.0, steps=9, batch=3, dropout=dropout)
     whole = trainer(recipe)
     assert whole.train(mixture, listeners())
     # 4 steps: in the middle of the second epoch of three batches.

@@ -59,6 +59,8 @@ class Kind:
     """May lie on its side: round, and as thick as it is wide"""
     floor: bool = False
     """May stand on the floor, too"""
+    open_work: bool = False
+    """Of wires: what it stands on shows through, yet whoever points between them means this"""
 
     @property
     def materials(self) -> tuple[str, ...]:

@@ -121,6 +121,7 @@ KITCHEN: dict[str, Kind] = {
     "dish_rack": Kind(
         appliances.dish_rack, ("dish rack", "rack"), "metal", (0.48, 0.48, 0.14), (0.04, 0.04, 0.1),
         ("grey", "white", "black", "blue"), 1.5, "slides", group="tableware",
+        open_work=True,
     ),
     "hot_plate": Kind(
         appliances.hot_plate, ("hot plate", "stove", "cooker"), "metal",
