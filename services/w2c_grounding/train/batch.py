@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from w2c_grounding.train.asker import FURNITURE, Asker, Question
 from w2c_grounding.train.augment import Bytes, View, draw_view, look, relight
 from w2c_grounding.train.data import MIN_VISIBLE_SHARE, ROBOT, ObjectTruth, PictureTruth, cropped
 from w2c_grounding.train.model import Size
-from w2c_grounding.train.phrases import FURNITURE, Asker, Question
 from w2c_grounding.train.pictures import Pictures
 from w2c_grounding.train.plan import Plan, Progress
 

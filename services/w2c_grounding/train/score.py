@@ -13,6 +13,7 @@ from w2c_grounding.family import Family
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.picture import decode
 from w2c_grounding.registry import load
+from w2c_grounding.train.asker import Asker
 from w2c_grounding.train.data import (
     ObjectTruth,
     PictureTruth,
@@ -21,7 +22,7 @@ from w2c_grounding.train.data import (
     read_truth,
     truth_files,
 )
-from w2c_grounding.train.phrases import Asker, PhraseKind, fitting, phrases_by_kind
+from w2c_grounding.train.phrases import PhraseKind, fitting, phrases_by_kind
 
 ABSENT_PER_PICTURE = 6
 MOST_PHRASES = 16

@@ -13,6 +13,7 @@ import torch
 
 from w2c.clock import Clock
 from w2c.errors import ConfigError, ModelError, W2CError
+from w2c_grounding.train.asker import Asker, Question
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.batch import Batch, Batches
 from w2c_grounding.train.classes import Classes
@@ -20,7 +21,6 @@ from w2c_grounding.train.data import ROBOT
 from w2c_grounding.train.loss import mask_loss
 from w2c_grounding.train.model import Size, decode, embed, features, quieten
 from w2c_grounding.train.optimizer import Optimizer
-from w2c_grounding.train.phrases import Asker, Question
 from w2c_grounding.train.pictures import Pictures
 from w2c_grounding.train.plan import Plan, Progress, learning_rate
 

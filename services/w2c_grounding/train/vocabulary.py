@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 
+from w2c_grounding.train.asker import FOREIGN, FRAMES
 from w2c_grounding.train.data import PictureTruth
-from w2c_grounding.train.phrases import COLOUR_WORDS, FOREIGN, FRAMES, NOUNS_OF_ANYTHING
+from w2c_grounding.train.phrases import COLOUR_WORDS, NOUNS_OF_ANYTHING
 from w2c_grounding.train.uses import uses_of
 from w2c_grounding.wording import words
 

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import torch
 
+from w2c_grounding.train.asker import Asker
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import MIN_VISIBLE_SHARE, cropped
 from w2c_grounding.train.model import Size, decode, embed, features
-from w2c_grounding.train.phrases import Asker
 from w2c_grounding.train.pictures import Pictures
 
 PICTURES = 32

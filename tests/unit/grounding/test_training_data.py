@@ -8,6 +8,8 @@ import torch
 
 from fakes.rendered import write_pictures
 from w2c.errors import ConfigError
+from w2c_grounding.train import asker
+from w2c_grounding.train.asker import FOREIGN, Asker, invented_word
 from w2c_grounding.train.augment import draw_view, look, relight
 from w2c_grounding.train.data import (
     ObjectTruth,
@@ -18,11 +20,8 @@ from w2c_grounding.train.data import (
     truth_files,
 )
 from w2c_grounding.train.phrases import (
-    FOREIGN,
-    Asker,
     could_fit,
     fitting,
-    invented_word,
     kind_of,
     phrases_by_kind,
 )
@@ -314,3 +313,38 @@ def test_the_vocabulary_names_things_and_nothing_foreign() -> None:
 def test_invented_words_are_words() -> None:
     rng = np.random.default_rng(0)
     assert all(words(invented_word(rng)) for _ in range(50))
+
+
+def test_of_two_of_a_kind_one_is_asked_for_by_material_as_often_as_by_colour(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    only_pairs = {kind: float(kind == "pair") for kind in asker.SHARES}
+    monkeypatch.setattr(asker, "SHARES", only_pairs)
+    cups = [
+        ObjectTruth(
+            number, "mug", colour, ("mug", "cup", "beaker"),
+            ("mug", "cup", "beaker", f"{colour} mug", f"{colour} cup", f"{colour} beaker",
+             f"{material} mug"),
+            5000, material,
+        )
+        for number, colour, material in ((1, "red", "metal"), (2, "blue", "ceramic"))
+    ]  # fmt: skip
+    truth = PictureTruth("0.jpg", "0.png", 320, 180, 0, tuple(cups))
+    questions = Asker([truth]).ask(truth, cups, 400, 0, np.random.default_rng(3))
+    of_material = sum("metal" in q.phrase or "ceramic" in q.phrase for q in questions)
+
+    assert 160 < of_material < 240
+    assert all(len(question.identities) == 1 for question in questions)
+
+
+def test_one_of_two_of_a_kind_is_asked_for_more_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(asker, "SHARES", {kind: float(kind == "name") for kind in asker.SHARES})
+    items = [thing(1, "mug", "red", "mug"), thing(2, "mug", "blue", "mug")]
+    items += [thing(number, f"kind{number}", "red", f"name{number}") for number in range(3, 9)]
+    truth = PictureTruth("0.jpg", "0.png", 320, 180, 0, tuple(items))
+    source = Asker([truth])
+    rng = np.random.default_rng(3)
+    asked = [source.ask(truth, items, 1, 0, rng)[0] for _ in range(600)]
+    of_the_pair = sum("mug" in question.phrase for question in asked)
+
+    assert 200 < of_the_pair < 280  # 240 of twice the weight, 150 of the same
