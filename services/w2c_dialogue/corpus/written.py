@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import ClassVar, Literal, get_args
+from typing import Literal, get_args
 
 from w2c.errors import ConfigError
 from w2c_dialogue.corpus import locations
@@ -66,8 +66,6 @@ class Line:
     text: str
     mirrors: bool
     """Whether left and right may be exchanged"""
-    held_out_share: ClassVar[int] = 20
-    """One of so many is kept from training: they are dear"""
 
     def __str__(self) -> str:
         """Return the utterance: what decides whether the line is kept from training."""

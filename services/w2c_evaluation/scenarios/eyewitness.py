@@ -21,6 +21,8 @@ PATCH_PX, PATCH_STEP_PX = 9, 3
 PATCH_M = 0.02
 PATCH_LEAST = 9
 """Points around, in pixels and metres, that make a plane"""
+ALIKE = 0.9
+"""Cosine between normals of one face"""
 
 
 class Surface(Protocol):
@@ -109,6 +111,8 @@ class Wanted:
     normal: Vector
     owner: str
     """Whose surface is seen there"""
+    faces: tuple[Vector, ...] = ()
+    """Normals (3,) of the faces that meet within a fingertip: at an edge, there are two"""
 
 
 def find_place(witness: Witness, place: Place) -> Wanted | None:
@@ -124,28 +128,49 @@ def find_place(witness: Witness, place: Place) -> Wanted | None:
     if pixel is None or surface is None or surface.owner not in place.surfaces:
         return None
     front = _in_front(witness, pixel, surface, place.surfaces)
-    return Wanted(front.point, _plane_normal(witness, pixel, front), front.owner)
+    normal, *faces = _normals(witness, pixel, front)
+    return Wanted(front.point, normal, front.owner, tuple(faces))
 
 
-def _plane_normal(witness: Witness, pixel: Pixel, surface: Surface) -> Vector:
-    """Return the normal (3,) of what is seen within a fingertip around a surface's point.
+def _normals(witness: Witness, pixel: Pixel, surface: Surface) -> tuple[Vector, ...]:
+    """Return the normals (3,) of what is seen within a fingertip around a surface's point.
 
-    Of a heap of nails, that of the heap: not of the nail that a ray happens to meet.
+    The first is that of all of it: of a heap of nails, that of the heap, not of the nail that a ray
+    happens to meet. The others are of the faces that meet there, such as the front of a box and
+    its top: who points at the edge means the one as much as the other.
     """
     steps = range(-PATCH_PX, PATCH_PX + 1, PATCH_STEP_PX)
     seen = (witness.surface(pixel[0] + du, pixel[1] + dv) for du in steps for dv in steps)
     near = [
-        one.point
+        one
         for one in seen
         if one is not None
         and one.owner == surface.owner
         and float(np.linalg.norm(one.point - surface.point)) < PATCH_M
     ]
     if len(near) < PATCH_LEAST:
-        return surface.normal
-    points = np.array(near)
-    normal: Vector = np.linalg.svd(points - points.mean(axis=0))[2][2]
+        return (surface.normal,)
     towards = witness.world_from_camera()[:3, 3] - surface.point
+    faces = [_plane_normal(face, towards) for face in _faces(near) if len(face) >= PATCH_LEAST]
+    return (_plane_normal(near, towards), *faces)
+
+
+def _faces(seen: Sequence[Surface]) -> list[list[Surface]]:
+    """Return surfaces that face alike together."""
+    faces: list[list[Surface]] = []
+    for one in seen:
+        face = next((face for face in faces if float(face[0].normal @ one.normal) > ALIKE), None)
+        if face is None:
+            faces.append([one])
+        else:
+            face.append(one)
+    return faces
+
+
+def _plane_normal(seen: Sequence[Surface], towards: Vector) -> Vector:
+    """Return the normal (3,) of the plane through the points of surfaces, on the side `towards`."""
+    points = np.array([one.point for one in seen])
+    normal: Vector = np.linalg.svd(points - points.mean(axis=0))[2][2]
     return normal if float(normal @ towards) > 0.0 else -normal
 
 

@@ -143,17 +143,21 @@ def _hand_error(
 ) -> float:
     """Return how far the hand that was named is from where it should be, when it has settled [m].
 
-    A sphere touches with its surface; a reach stops REACH_STANDOFF_M off the surface.
+    A sphere touches with its surface; a reach stops REACH_STANDOFF_M off the surface: at an edge,
+    off the one or the other that meet there.
     """
     effector = END_EFFECTORS.index(prompt.meaning.effector)
     radius = hand_radius[effector - 2] if effector >= 2 else 0.0
     away = radius + (REACH_STANDOFF_M if prompt.meaning.task == "reach" else 0.0)
-    should = wanted.point + away * wanted.normal
     settled = [s for s in samples if motion.ended_ns <= s.stamp_ns <= motion.settled_ns]
     if not settled:
         return float("nan")
     positions = np.array([sample.effectors[effector] for sample in settled])
-    return float(np.median(np.linalg.norm(positions - should, axis=1)))
+    normals = (wanted.normal, *wanted.faces)
+    return min(
+        float(np.median(np.linalg.norm(positions - wanted.point - away * normal, axis=1)))
+        for normal in normals
+    )
 
 
 def _motion_problems(prompt: Prompt, motion: Motion, hand_error: float) -> list[str]:

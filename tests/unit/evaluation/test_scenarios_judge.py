@@ -103,6 +103,20 @@ def verdict(samples: dict[int, Sample] | None = None, what: Played | None = None
     return judge(SCENARIO, what or played(), run_of(samples), ROBOT)
 
 
+def test_at_an_edge_a_hand_may_come_from_either_of_its_faces() -> None:
+    front = np.array([-1.0, 0.0, 0.0])
+    before = {}
+    for second in range(20, 30):
+        hands = sample(second).effectors.copy()
+        hands[2] = CUP.point + 0.02 * front
+        before[second] = sample(second, effectors=hands)
+    edge = played()
+    edge.prompts[1] = replace(edge.prompts[1], wanted=replace(CUP, faces=(UP, front)))
+
+    assert verdict(before).hand_errors_m[1] == pytest.approx(0.02 * np.sqrt(2.0))
+    assert verdict(before, edge).hand_errors_m[1] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_a_run_that_goes_well_is_a_success() -> None:
     found = verdict()
     assert found.problems == ()

@@ -240,6 +240,31 @@ def test_the_normal_of_a_heap_is_not_that_of_the_nail_that_is_met() -> None:
     assert wanted.normal[2] > 0.97
 
 
+@pytest.mark.parametrize(("edge_px", "faces"), [(0, {"up", "front"}), (40, {"up"})])
+def test_at_the_edge_of_a_box_its_top_and_its_front_meet(edge_px: int, faces: set[str]) -> None:
+    """The middle of a box is seen this many pixels behind the edge of its top."""
+    up, out = np.array([0.0, 0.0, 1.0]), np.array([0.0, -1.0, 0.0])
+
+    class Corner(FlatWitness):
+        def surface(self, u: float, v: float) -> Seen | None:
+            seen = super().surface(u, v)
+            middle = self.project(np.array([*THINGS[0].centre, TABLE_M]))
+            if seen is None or middle is None or v <= middle[1] + edge_px:
+                return seen
+            edge = super().surface(u, middle[1] + edge_px)
+            assert edge is not None
+            down = 0.001 * (v - middle[1] - edge_px) * (out - up)
+            return Seen(seen.owner, edge.point + down, (out + up) / np.sqrt(2.0))
+
+    wanted = find_place(Corner(), Place("the middle", THINGS[0].name, (0.0, 0.0, 0.0)))
+    assert wanted is not None
+    names = {"up": up, "front": (out + up) / np.sqrt(2.0)}
+    found = {
+        name for face in wanted.faces for name, axis in names.items() if float(face @ axis) > 0.99
+    }
+    assert found == faces, wanted.faces
+
+
 def test_runs_go_side_by_side_where_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     together = threading.Barrier(2, timeout=10.0)
 
