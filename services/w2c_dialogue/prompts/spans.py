@@ -67,6 +67,9 @@ def spans_schema(utterance: Utterance) -> dict[str, object]:
 _OUT_OF = ["out", "of"]
 """`thing to drink out of`"""
 _ANYTHING = frozenset({"item", "object", "something", "thing"})
+_OF_USE = (["from"], ["in"], ["on"], ["with"])
+_GOES_ON = frozenset({"and", "by", "for", "if", "please", "then", "using", "with"})
+"""What goes on with a sentence where a name has ended"""
 _NO_VERB = frozenset(
     {
         "a", "an", "back", "down", "every", "his", "left", "me", "my", "our", "right", "that",
@@ -87,6 +90,7 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         and (words[last] not in NEVER_LAST or words[first + 1 : last + 1][-2:] == _OUT_OF)
         and not NO_NAMES.issuperset(words[first : last + 1])
         and not _cut_short(words, last)
+        and not _stranded(words, first, last)
     ]
 
 
@@ -102,6 +106,19 @@ def _cut_short(words: list[str], last: int) -> bool:
         and after[0] == "to"
         and after[1] not in _NO_VERB
         and "from" not in words[:last]
+    )
+
+
+def _stranded(words: list[str], first: int, last: int) -> bool:
+    """Tell whether the preposition of a use is left behind: `thing to dig | with`.
+
+    Not so where it begins something else, as in `take the thing to dig with your right hand`.
+    """
+    after = words[last + 1 : last + 3]
+    return (
+        not _ANYTHING.isdisjoint(words[first:last])
+        and after[:1] in _OF_USE
+        and (len(after) == 1 or after[1] in _GOES_ON)
     )
 
 

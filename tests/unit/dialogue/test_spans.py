@@ -114,3 +114,33 @@ def test_a_thing_is_not_cut_off_from_its_use(text: str, whole: str) -> None:
 )
 def test_a_direction_is_no_use(text: str) -> None:
     assert "red thing" in names(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "whole"),
+    [
+        ("press on the thing to drive nails with", "thing to drive nails with"),
+        ("touch the thing to chop vegetables on using your left hand",
+         "thing to chop vegetables on"),
+        ("reach left from the thing to build with with your left arm", "thing to build with"),
+        ("take the thing we put plates in, please", "thing we put plates in"),
+    ],
+)  # fmt: skip
+def test_a_use_keeps_its_preposition(text: str, whole: str) -> None:
+    assert whole in names(text)
+    assert whole.rsplit(" ", maxsplit=1)[0] not in names(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "whole"),
+    [
+        ("take the thing to dig with your right hand", "thing to dig"),
+        ("stand on the thing to drink from on the left", "thing to drink from"),
+        ("put the red thing with the other mugs", "red thing"),
+        ("the thing to read in front of you", "thing to read"),
+    ],
+)
+def test_a_preposition_that_begins_something_else_is_no_part_of_a_use(
+    text: str, whole: str
+) -> None:
+    assert whole in names(text)
