@@ -123,7 +123,11 @@ def _sizes(thing: Thing) -> list[str]:
 def _other_material(thing: Thing, other: Thing) -> bool:
     """Whether nobody would say the material of a thing of another one."""
     pair = frozenset((thing.material, other.material))
-    return bool(other.material) and len(pair) == 2 and pair not in _CLOSE_MATERIALS
+    if not other.material or len(pair) < 2 or pair in _CLOSE_MATERIALS:
+        return False
+    # Of another material that does not show, the truth says both.
+    said = f"{ADJECTIVES.get(thing.material, thing.material)} {other.names[0]}"
+    return said not in other.phrases
 
 
 def _close(a: str, b: str) -> bool:

@@ -12,6 +12,7 @@ from w2c_sim_robot.scenes.assets import (
 )
 from w2c_sim_robot.scenes.held_out import held_out, is_judging
 from w2c_sim_robot.scenes.objects.catalogue import KINDS
+from w2c_sim_robot.scenes.objects.looks import tells_apart
 from w2c_sim_robot.scenes.objects.palette import COLOURS, shade
 from w2c_sim_robot.scenes.placing import Arranger, Placed
 from w2c_sim_robot.scenes.scene import Light, Scene, Surroundings
@@ -116,7 +117,7 @@ def _colours(rng: np.random.Generator, chosen: list[Asset], judging: bool) -> li
     taken: list[tuple[Asset, str]] = []
     for asset in chosen:
         alike = [(other, c) for other, c in taken if other.kind == asset.kind]
-        if alike and all(_differ(asset, other) for other, _ in alike) and rng.random() < 0.6:
+        if alike and all(_differ(asset, *other) for other in alike) and rng.random() < 0.6:
             taken.append((asset, alike[0][1]))
             continue
         used = {c for _, c in alike}
@@ -128,10 +129,12 @@ def _colours(rng: np.random.Generator, chosen: list[Asset], judging: bool) -> li
     return [colour for _, colour in taken]
 
 
-def _differ(a: Asset, b: Asset) -> bool:
-    """Whether size or material tells two of a kind apart."""
+def _differ(a: Asset, b: Asset, colour: str) -> bool:
+    """Whether size or material tells two of a kind apart that are both of this colour."""
     ratio = length_of(a.size) / length_of(b.size)
-    return a.material != b.material or max(ratio, 1 / ratio) >= OTHER_SIZE_RATIO
+    if max(ratio, 1 / ratio) >= OTHER_SIZE_RATIO:
+        return True
+    return colour != "black" and tells_apart(a.kind, a.material, b.material)
 
 
 def _lights(rng: np.random.Generator) -> tuple[Light, ...]:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from w2c_sim_robot.scenes.objects.catalogue import shape_of
+from w2c_sim_robot.scenes.objects.looks import tells_apart
 from w2c_sim_robot.scenes.objects.materials import FINISHES, adjective
 from w2c_sim_robot.scenes.objects.shape import Size
 from w2c_sim_robot.scenes.scene import SceneObject
@@ -29,12 +30,12 @@ def phrases_in(item: SceneObject, scene: Sequence[SceneObject]) -> tuple[str, ..
     """Return every phrase that fits a thing among those of its scene.
 
     Names; each with colour, material, or both; `large` and `small` among others of its kind; and a
-    part of another material, as in `the thing with the wooden handle`.
+    part of another material, as in `the thing with the wooden handle`. Where two of a kind look
+    alike but are of other materials, what is said of the one fits the other.
     """
     phrases = list(item.phrases())
     names = [name for name in item.names if name not in CONTENTS]
-    if item.material in FINISHES:
-        word = adjective(item.material)
+    for word in _material_words(item, scene):
         for name in names:
             phrases += [f"{word} {name}", f"{item.colour} {word} {name}"]
     size = size_word(item, scene)
@@ -45,6 +46,17 @@ def phrases_in(item: SceneObject, scene: Sequence[SceneObject]) -> tuple[str, ..
         if part.name and part.material in FINISHES:
             phrases.append(f"thing with the {adjective(part.material)} {part.name}")
     return tuple(dict.fromkeys(phrases))
+
+
+def _material_words(item: SceneObject, scene: Sequence[SceneObject]) -> list[str]:
+    """Return what it may be said to be made of, its own material first."""
+    alike = [o.material for o in scene if o.kind == item.kind and not _materials_differ(item, o)]
+    return [adjective(one) for one in dict.fromkeys([item.material, *alike]) if one in FINISHES]
+
+
+def _materials_differ(a: SceneObject, b: SceneObject) -> bool:
+    """Whether people see that two of a kind are of other materials: on black nothing is seen."""
+    return "black" not in (a.colour, b.colour) and tells_apart(a.kind, a.material, b.material)
 
 
 def size_word(item: SceneObject, scene: Sequence[SceneObject]) -> str:
@@ -65,4 +77,4 @@ def told_apart_by(a: SceneObject, b: SceneObject) -> str:
     ratio = length_of(a.size) / length_of(b.size)
     if max(ratio, 1.0 / ratio) >= OTHER_SIZE_RATIO:
         return "size"
-    return "material" if a.material != b.material else ""
+    return "material" if _materials_differ(a, b) else ""

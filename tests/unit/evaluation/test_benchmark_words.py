@@ -76,6 +76,16 @@ def test_a_material_tells_apart_what_has_one_colour() -> None:
                                  "ceramic thing": "material"}  # fmt: skip
 
 
+def test_a_material_that_does_not_show_tells_nothing_apart() -> None:
+    other = thing(
+        "mug", ("cup", "mug"), "red", material="metal",
+        phrases=("cup", "mug", "metal cup", "ceramic cup"),
+    )  # fmt: skip
+
+    assert texts(MUG, other) == {}
+    assert not told_apart(MUG, other)
+
+
 def test_the_head_of_a_name_decides_what_else_could_be_meant() -> None:
     cereal = thing("cereal_box", ("cereal box", "packet"), "blue")
     nails = thing("nail_box", ("nail box", "box of nails"), "green")

@@ -67,7 +67,7 @@ def pan(size: Size, rng: np.random.Generator) -> Shape:
     return fitted(
         size,
         (
-            Part(outer, Surface("main", textures.speckle(rng, 0.01), 0.5)),
+            Part(outer, Surface("main", textures.brushed(rng), 0.7)),
             Part(inner, Surface((0.13, 0.13, 0.14), textures.speckle(rng, 0.03), 0.35)),
             Part(grip, Surface(BAKELITE, None, 0.4), "handle", "plastic"),
         ),
@@ -103,8 +103,8 @@ def pot(size: Size, rng: np.random.Generator) -> Shape:
     return fitted(
         size,
         (
-            Part(body, Surface("main", textures.speckle(rng, 0.01), 0.8)),
-            Part(lid, Surface("main", textures.speckle(rng, 0.01), 0.8), "lid"),
+            Part(body, Surface("main", textures.brushed(rng), 0.9)),
+            Part(lid, Surface("main", textures.brushed(rng), 0.9), "lid"),
             Part(knob, Surface(BAKELITE, None, 0.4), "knob"),
             Part(merged(*ears), Surface(BAKELITE, None, 0.4), "handle"),
         ),

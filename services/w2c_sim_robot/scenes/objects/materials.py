@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 
 from w2c_sim_robot.scenes.objects import textures
-from w2c_sim_robot.scenes.objects.shape import Shape, Texture
+from w2c_sim_robot.scenes.objects.shape import Part, Shape, Texture
 
 
 @dataclass(frozen=True)
@@ -46,21 +47,36 @@ def adjective(material: str) -> str:
 
 PRINTED = frozenset({"cover", "front", "label", "print"})
 """Parts whose print says what the thing is: it stays, whatever the thing is made of"""
+PRINTED_ON = frozenset({"cover"})
+"""Of these, what is printed on the very thing and not on paper that is glued to it"""
 
 
 def finished(shape: Shape, material: str, rng: np.random.Generator) -> Shape:
     """Return the shape with what is painted in the object's own colour made of `material`."""
     finish = FINISHES[material]
     texture = None if finish.texture is None else finish.texture(rng)
-    parts = tuple(
-        replace(
-            part,
-            surface=replace(
-                part.surface, texture=texture, gloss=finish.gloss, opacity=finish.opacity
-            ),
-        )
-        if part.surface.paint == "main" and part.name not in PRINTED
-        else part
-        for part in shape.parts
+    return replace(
+        shape, parts=tuple(_finished_part(part, finish, texture) for part in shape.parts)
     )
-    return replace(shape, parts=parts)
+
+
+def _finished_part(part: Part, finish: Finish, texture: Texture | None) -> Part:
+    if part.surface.paint != "main":
+        return part
+    if part.name in PRINTED_ON and part.surface.texture is not None and texture is not None:
+        return replace(
+            part, surface=replace(part.surface, texture=printed(part.surface.texture, texture))
+        )
+    if part.name in PRINTED:
+        return part
+    return replace(
+        part,
+        surface=replace(part.surface, texture=texture, gloss=finish.gloss, opacity=finish.opacity),
+    )
+
+
+def printed(ink: Texture, ground: Texture) -> Texture:
+    """Return a texture (h, w, 3) printed on another one, in the size of the first."""
+    height, width = ink.shape[:2]
+    grounded = cv2.resize(ground, (width, height), interpolation=cv2.INTER_AREA)
+    return cv2.multiply(ink, grounded, scale=1.0 / 255.0).astype(np.uint8)

@@ -86,8 +86,9 @@ def stapler(size: Size, _rng: np.random.Generator) -> Shape:
     )
 
 
-def lamp(size: Size, _rng: np.random.Generator) -> Shape:
+def lamp(size: Size, rng: np.random.Generator) -> Shape:
     """Return a desk lamp: a heavy foot, a bent arm, a shade."""
+    paint = textures.brushed(rng)
     foot = lathe([[0, 0], [0.085, 0], [0.085, 0.012], [0.07, 0.022], [0, 0.024]])
     pole = tube([[0.0, 0, 0.02], [0.0, 0, 0.25], [-0.03, 0, 0.33], [-0.1, 0, 0.37]], 0.007)
     shade = merged(
@@ -100,9 +101,9 @@ def lamp(size: Size, _rng: np.random.Generator) -> Shape:
     return fitted(
         size,
         (
-            Part(foot, Surface("main", None, 0.5), "base"),
+            Part(foot, Surface("main", paint, 0.7), "base"),
             Part(pole, Surface(STEEL, None, 1.0), "arm", "metal"),
-            Part(shade.rotated(turn).moved((-0.13, 0, 0.28)), Surface("main", None, 0.5), "shade"),
+            Part(shade.rotated(turn).moved((-0.13, 0, 0.28)), Surface("main", paint, 0.7), "shade"),
             Part(bulb.rotated(turn).moved((-0.13, 0, 0.28)), Surface((1.0, 0.97, 0.82), None, 0.2)),
         ),
         (

@@ -213,9 +213,13 @@ def concrete(rng: np.random.Generator, size: int = 512) -> Texture:
 
 
 def brushed(rng: np.random.Generator, size: int = 128) -> Texture:
-    """Return metal brushed along the rows."""
-    streaks = cv2.resize(rng.standard_normal((size, 6)), (size, size))
-    return _to_texture(0.9 + 0.045 * streaks + 0.01 * rng.standard_normal((size, size)))
+    """Return metal: bands of light along the rows, as a room is mirrored in it, and streaks."""
+    across = np.arange(size) / size
+    field = np.full((size, size), 0.76)
+    field += 0.02 * cv2.resize(rng.standard_normal((size, 6)), (size, size))
+    for count, amount in ((3, 0.09), (5, 0.135), (8, 0.09)):
+        field += amount * np.sin(2 * np.pi * (count * across + rng.uniform()))
+    return _to_texture(field)
 
 
 def wicker(rng: np.random.Generator, size: int = 192, count: int = 12) -> Texture:
@@ -229,9 +233,9 @@ def wicker(rng: np.random.Generator, size: int = 192, count: int = 12) -> Textur
 
 
 def leather(rng: np.random.Generator, size: int = 192) -> Texture:
-    """Return leather: fine creases."""
-    creases = np.abs(noise(rng, size, size, 14, 2))
-    return _to_texture(0.95 - 0.12 * np.exp(-8.0 * creases) + 0.015 * noise(rng, size, size, 60))
+    """Return leather: creases."""
+    creases = np.abs(noise(rng, size, size, 24, 2))
+    return _to_texture(0.95 - 0.3 * np.exp(-9.0 * creases) + 0.02 * noise(rng, size, size, 60))
 
 
 def stripes(rng: np.random.Generator, count: int = 6, size: int = 192) -> Texture:

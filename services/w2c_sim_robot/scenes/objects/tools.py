@@ -38,11 +38,11 @@ def toolbox(size: Size, rng: np.random.Generator) -> Shape:
         [0, 0.15 * y, top],
     ]
     grip += [[0, 0.19 * y, 0.9 * z], [0, 0.2 * y, 0.78 * z]]
-    paint = textures.speckle(rng, 0.012)
+    paint = textures.brushed(rng)
     return Shape(
         (
-            Part(body, Surface("main", paint, 0.4)),
-            Part(lid, Surface("main", paint, 0.4), "lid"),
+            Part(body, Surface("main", paint, 0.7)),
+            Part(lid, Surface("main", paint, 0.7), "lid"),
             Part(seam, Surface(RUBBER, None, 0.3)),
             Part(tube(grip, 0.011), Surface(RUBBER, None, 0.3), "handle"),
             Part(merged(*latches), Surface(STEEL, None, 0.9), "latch"),
@@ -99,17 +99,9 @@ def tray(size: Size, rng: np.random.Generator) -> Shape:
     x, y, z = size
     floor = prism(rounded_rectangle(x, y, 0.03), 0.15 * z, 0.0005)
     rim = open_wall(x, y, z, 0.03, 0.008)
-    wooden = rng.random() < 0.4
     return Shape(
         (
-            Part(
-                floor,
-                Surface(
-                    "main",
-                    textures.wood(rng, planks=1) if wooden else textures.speckle(rng, 0.01),
-                    0.35,
-                ),
-            ),
+            Part(floor, Surface("main", textures.speckle(rng, 0.01), 0.45)),
             Part(rim, Surface("main", None, 0.45)),
         ),
         (

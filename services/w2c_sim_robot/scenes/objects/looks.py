@@ -1,0 +1,71 @@
+"""Whether a look at two of a kind tells what each is made of."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import cv2
+import numpy as np
+
+from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object, shape_of
+from w2c_sim_robot.scenes.objects.materials import PRINTED
+from w2c_sim_robot.scenes.objects.shape import Mesh, Texture
+
+AFAR = 64
+"""Texture at the distance of a robot's hands: finer grain is not seen [texels across]"""
+SEEN = 0.025
+"""Contrast (standard deviation, of white) from which people see that there is a pattern"""
+OTHER = 0.015
+"""Contrasts that differ by less look alike, unless both are patterns"""
+OTHER_OPACITY = 0.2
+_NOWHERE = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is seen of a material."""
+
+    contrast: float
+    """Of the patterns that are painted in the thing's own colour, of white: mean over its surface.
+    What is printed tells what the thing is, not what it is made of"""
+    opacity: float
+
+
+def tells_apart(kind: str, one: str, other: str) -> bool:
+    """Return whether people who see two of a kind can tell which of them is of which material.
+
+    A tray of painted metal looks like one of plastic; one of wood has a grain.
+    """
+    if one == other:
+        return False
+    a, b = look_of(kind, one), look_of(kind, other)
+    return (
+        abs(a.contrast - b.contrast) >= OTHER
+        or min(a.contrast, b.contrast) >= SEEN
+        or abs(a.opacity - b.opacity) >= OTHER_OPACITY
+    )
+
+
+@cache
+def look_of(kind: str, material: str) -> Look:
+    """Return the look of a kind of thing that is made of a material."""
+    item = make_object(kind, KINDS[kind].colours[0], _NOWHERE, material=material)
+    parts = [part for part in shape_of(item).parts if part.surface.paint == "main"]
+    areas = [_area(part.mesh) for part in parts]
+    contrasts = [0.0 if part.name in PRINTED else _contrast(part.surface.texture) for part in parts]
+    return Look(
+        float(np.average(contrasts, weights=areas)) if parts else 0.0,
+        min((part.surface.opacity for part in parts), default=1.0),
+    )
+
+
+def _area(mesh: Mesh) -> float:
+    """Return the surface of a mesh [m2]."""
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+
+def _contrast(texture: Texture | None) -> float:
+    if texture is None:
+        return 0.0
+    grey = texture.astype(np.float32).mean(axis=2)
+    return float(cv2.resize(grey, (AFAR, AFAR), interpolation=cv2.INTER_AREA).std()) / 255.0
