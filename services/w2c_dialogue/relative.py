@@ -7,11 +7,13 @@ from w2c_dialogue.answers import PointAnswer, read
 from w2c_dialogue.beside import at_its_foot
 from w2c_dialogue.expressions import ImagePoint, evaluate_point, object_symbols
 from w2c_dialogue.interfaces import Frame, LanguageModel
+from w2c_dialogue.on_surface import onto_surface
 from w2c_dialogue.prompts.base import PromptSet, SceneObject
 from w2c_dialogue.sight import Prediction, scene_objects, unknown_warnings
 from w2c_dialogue.utterance import Mention, Utterance
 
 OUTSIDE = "That is outside the picture; I took the nearest point inside."
+TAKEN = "Something is there, or the surface ends; I took the nearest free place."
 
 
 def predict(
@@ -22,6 +24,7 @@ def predict(
     utterance: Utterance,
     mentions: Sequence[Mention],
     evidence: Sequence[PhraseEvidence],
+    surface: PhraseEvidence | None,
     pixels_per_cm: float,
 ) -> Prediction:
     """Return the point that the words describe, by a model's arithmetic on the boxes.
@@ -33,6 +36,7 @@ def predict(
         utterance: The instruction.
         mentions: Its words for the objects, in order.
         evidence: What grounding sees of each.
+        surface: What it sees of the surface they stand on; None: nothing.
         pixels_per_cm: Scale of the picture there.
 
     Raises:
@@ -50,8 +54,10 @@ def predict(
         pixels_per_cm=pixels_per_cm,
         size=(frame.width, frame.height),
     )
-    point = at_its_foot(point, objects)
-    warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
+    beside = at_its_foot(point, objects)
+    point = onto_surface(beside, surface, objects, (frame.width, frame.height))
+    warnings = unknown_warnings(evidence)
+    warnings += ((OUTSIDE,) if point.clipped else ()) + ((TAKEN,) if point != beside else ())
     return Prediction(point.u, point.v, objects, warnings)
 
 

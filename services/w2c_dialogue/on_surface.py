@@ -1,0 +1,90 @@
+"""A place beside things is on the surface they stand on, and on nothing else that stands there.
+
+Arithmetic on boxes knows only the things that were named. Where it points at the next thing, at the
+robot's own hand or past the edge of the table, the nearest place on the surface is meant.
+"""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from w2c.errors import CallError
+from w2c.messages import Array, Box, PhraseEvidence
+from w2c_dialogue.expressions import ImagePoint
+from w2c_dialogue.interfaces import Frame, Grounding
+from w2c_dialogue.prompts.base import SceneObject
+
+SURFACE = "surface"
+"""What the vision model is asked for: a table, a counter, a board of a shelf"""
+HOT = 0.5
+"""Of the peak: cells that show the surface"""
+MARGIN = 0.008
+"""From the edge of what is seen of the surface, as a share of the width of the picture"""
+REACH = 0.6
+"""As far as a place is moved, as a share of the longer side of the first thing: farther off it is
+another place"""
+
+
+def look_for_surface(grounding: Grounding, frame: Frame) -> PhraseEvidence | None:
+    """Return what is seen of surfaces that carry things; None where the model sees none.
+
+    A model that does not answer sees none: the place can be shown all the same, and corrected.
+    """
+    try:
+        seen = grounding.ground(frame, [SURFACE], "heatmaps")
+    except CallError:
+        return None
+    return seen[0] if len(seen) == 1 and seen[0].found else None
+
+
+def onto_surface(
+    point: ImagePoint,
+    surface: PhraseEvidence | None,
+    objects: Sequence[SceneObject],
+    size: tuple[int, int],
+) -> ImagePoint:
+    """Return the place on the surface that is nearest to a point beside things.
+
+    A point on one of the things stays, so does one with no surface near it.
+
+    Args:
+        point: In the picture [px].
+        surface: What is seen of the surface; None: nothing is known of it.
+        objects: The things that the point is beside, the first of them the most important one.
+        size: Width and height of the picture [px].
+    """
+    if surface is None or surface.heatmap is None or not objects:
+        return point
+    if any(_inside(point, item.box) for item in objects):
+        return point
+    free = _free(surface.heatmap)
+    rows, columns = np.nonzero(free)
+    if not len(rows):
+        return point
+    height, width = free.shape
+    across, along = size[0] / width, size[1] / height
+    if free[min(int(point.v / along), height - 1), min(int(point.u / across), width - 1)]:
+        return point
+    u, v = (columns + 0.5) * across, (rows + 0.5) * along
+    distance = np.hypot(u - point.u, v - point.v)
+    nearest = int(np.argmin(distance))
+    box = objects[0].box
+    if distance[nearest] > REACH * max(box.right - box.left, box.bottom - box.top):
+        return point
+    return ImagePoint(float(u[nearest]), float(v[nearest]), clipped=point.clipped)
+
+
+def _free(heatmap: Array) -> npt.NDArray[np.bool_]:
+    """Return the cells (h, w) that show the surface and nothing of its edge."""
+    hot = (heatmap >= HOT * float(heatmap.max())) & (heatmap > 0)
+    cells = max(1, round(MARGIN * heatmap.shape[1]))
+    kernel = np.ones((2 * cells + 1, 2 * cells + 1), dtype=np.uint8)
+    # The surface goes on beyond the edge of the picture.
+    inner = cv2.erode(hot.astype(np.uint8), kernel, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(inner > 0)
+
+
+def _inside(point: ImagePoint, box: Box) -> bool:
+    return box.left <= point.u <= box.right and box.top <= point.v <= box.bottom
