@@ -1,5 +1,6 @@
 """Relative prediction: the place is described relative to objects (paper, "Relative Positions")."""
 
+import math
 from collections.abc import Sequence
 
 from w2c.messages import PhraseEvidence
@@ -14,6 +15,8 @@ from w2c_dialogue.utterance import Mention, Utterance
 
 OUTSIDE = "That is outside the picture; I took the nearest point inside."
 TAKEN = "Something is there, or the surface ends; I took the nearest free place."
+NOTICED = 0.02
+"""Share of the picture's width: who speaks is told of a place that was moved farther"""
 
 
 def predict(
@@ -56,8 +59,9 @@ def predict(
     )
     beside = at_its_foot(point, objects)
     point = onto_surface(beside, surface, objects, (frame.width, frame.height))
-    warnings = unknown_warnings(evidence)
-    warnings += ((OUTSIDE,) if point.clipped else ()) + ((TAKEN,) if point != beside else ())
+    warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
+    if math.dist((point.u, point.v), (beside.u, beside.v)) > NOTICED * frame.width:
+        warnings += (TAKEN,)
     return Prediction(point.u, point.v, objects, warnings)
 
 
