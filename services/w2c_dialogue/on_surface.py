@@ -40,31 +40,30 @@ def look_for_surface(grounding: Grounding, frame: Frame) -> PhraseEvidence | Non
 
 
 def onto_surface(
-    point: ImagePoint,
-    surface: PhraseEvidence | None,
-    objects: Sequence[SceneObject],
-    size: tuple[int, int],
+    point: ImagePoint, objects: Sequence[SceneObject], grounding: Grounding, frame: Frame
 ) -> ImagePoint:
     """Return the place on the surface that is nearest to a point beside things.
 
-    A point on one of the things stays, so does one with no surface near it.
+    A point on one of the things stays, without a look at the picture; so does one with no surface
+    near it.
 
     Args:
         point: In the picture [px].
-        surface: What is seen of the surface; None: nothing is known of it.
         objects: The things that the point is beside, the first of them the most important one.
-        size: Width and height of the picture [px].
+        grounding: Sees the surface.
+        frame: The picture.
     """
-    if surface is None or surface.heatmap is None or not objects:
+    if not objects or any(_inside(point, item.box) for item in objects):
         return point
-    if any(_inside(point, item.box) for item in objects):
+    surface = look_for_surface(grounding, frame)
+    if surface is None or surface.heatmap is None:
         return point
     free = _free(surface.heatmap)
     rows, columns = np.nonzero(free)
     if not len(rows):
         return point
     height, width = free.shape
-    across, along = size[0] / width, size[1] / height
+    across, along = frame.width / width, frame.height / height
     if free[min(int(point.v / along), height - 1), min(int(point.u / across), width - 1)]:
         return point
     u, v = (columns + 0.5) * across, (rows + 0.5) * along

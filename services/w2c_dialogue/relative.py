@@ -7,7 +7,7 @@ from w2c.messages import PhraseEvidence
 from w2c_dialogue.answers import PointAnswer, read
 from w2c_dialogue.beside import at_its_foot
 from w2c_dialogue.expressions import ImagePoint, evaluate_point, object_symbols
-from w2c_dialogue.interfaces import Frame, LanguageModel
+from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.on_surface import onto_surface
 from w2c_dialogue.prompts.base import PromptSet, SceneObject
 from w2c_dialogue.sight import Prediction, scene_objects, unknown_warnings
@@ -27,7 +27,7 @@ def predict(
     utterance: Utterance,
     mentions: Sequence[Mention],
     evidence: Sequence[PhraseEvidence],
-    surface: PhraseEvidence | None,
+    grounding: Grounding,
     pixels_per_cm: float,
 ) -> Prediction:
     """Return the point that the words describe, by a model's arithmetic on the boxes.
@@ -39,7 +39,7 @@ def predict(
         utterance: The instruction.
         mentions: Its words for the objects, in order.
         evidence: What grounding sees of each.
-        surface: What it sees of the surface they stand on; None: nothing.
+        grounding: Sees the surface they stand on.
         pixels_per_cm: Scale of the picture there.
 
     Raises:
@@ -58,7 +58,7 @@ def predict(
         size=(frame.width, frame.height),
     )
     beside = at_its_foot(point, objects)
-    point = onto_surface(beside, surface, objects, (frame.width, frame.height))
+    point = onto_surface(beside, objects, grounding, frame)
     warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
     if math.dist((point.u, point.v), (beside.u, beside.v)) > NOTICED * frame.width:
         warnings += (TAKEN,)

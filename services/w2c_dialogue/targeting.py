@@ -16,7 +16,6 @@ from w2c_dialogue.corrector import CorrectedPoint, correct
 from w2c_dialogue.frames import RESTARTED, FrameStore, pixels_per_cm
 from w2c_dialogue.interfaces import Frame
 from w2c_dialogue.locating import locate
-from w2c_dialogue.on_surface import look_for_surface
 from w2c_dialogue.on_top import says_on_top
 from w2c_dialogue.outcome import Outcome
 from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
@@ -94,7 +93,7 @@ class Targeting:
                 utterance=utterance,
                 mentions=analysis.mentions,
                 evidence=evidence,
-                surface=look_for_surface(services, frame),
+                grounding=services,
                 pixels_per_cm=_scale_at(evidence[0], frame, services),
             )
         lifted, warnings = _depth(prediction, frame, services)

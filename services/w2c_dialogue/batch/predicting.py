@@ -13,7 +13,6 @@ from w2c_dialogue import absolute, relative, which
 from w2c_dialogue.analyzer import analyze
 from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
-from w2c_dialogue.on_surface import look_for_surface
 from w2c_dialogue.on_top import says_on_top
 from w2c_dialogue.prompts.ablations import AblationName, ablated
 from w2c_dialogue.prompts.sets import PROMPT_SETS, PromptSetName
@@ -124,7 +123,7 @@ class Predicting:
                 utterance=utterance,
                 mentions=mentions,
                 evidence=settled,
-                surface=look_for_surface(self._grounding, frame),
+                grounding=self._grounding,
                 pixels_per_cm=pixels_per_cm,
             )
         answer.point = prediction.u, prediction.v

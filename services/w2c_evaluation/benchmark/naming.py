@@ -60,7 +60,7 @@ def told_apart(a: Thing, b: Thing) -> bool:
 
 def _named(thing: Thing, others: Sequence[Thing]) -> Iterator[Naming]:
     """Yield its names, with what they need to fit nothing else."""
-    adjective = ADJECTIVES.get(thing.material, thing.material)
+    adjective = _adjective(thing)
     for number, name in enumerate(thing.names):
         how: How = "plain" if number == 0 or _holds(name, thing.names[0]) else "synonym"
         alike = [other for other in others if _may_be_called(other, name)]
@@ -83,7 +83,7 @@ def _described(thing: Thing, others: Sequence[Thing]) -> Iterator[Naming]:
     twin = any(other.kind == thing.kind for other in others)
     if all(not _close(thing.colour, other.colour) for other in others):
         yield Naming(f"{thing.colour} thing", "colour", "colour" if twin else "")
-    adjective = ADJECTIVES.get(thing.material, thing.material)
+    adjective = _adjective(thing)
     if adjective and all(_other_material(thing, other) for other in others):
         yield Naming(f"{adjective} thing", "material", "material" if twin else "")
     for phrase in thing.own_phrases:
@@ -126,8 +126,12 @@ def _other_material(thing: Thing, other: Thing) -> bool:
     if not other.material or len(pair) < 2 or pair in _CLOSE_MATERIALS:
         return False
     # Of another material that does not show, the truth says both.
-    said = f"{ADJECTIVES.get(thing.material, thing.material)} {other.names[0]}"
-    return said not in other.phrases
+    return f"{_adjective(thing)} {other.names[0]}" not in other.phrases
+
+
+def _adjective(thing: Thing) -> str:
+    """Return what is said before its name for what it is made of; empty where nobody says it."""
+    return ADJECTIVES.get(thing.material, thing.material)
 
 
 def _close(a: str, b: str) -> bool:

@@ -17,7 +17,7 @@ from w2c_sim_robot.scenes.objects.palette import COLOURS, shade
 from w2c_sim_robot.scenes.placing import Arranger, Placed
 from w2c_sim_robot.scenes.scene import Light, Scene, Surroundings
 from w2c_sim_robot.scenes.stages import draw_stage
-from w2c_sim_robot.scenes.wording import OTHER_SIZE_RATIO, length_of
+from w2c_sim_robot.scenes.wording import of_other_size
 
 PAPER_SHARE = 0.2
 """Of scenes that are arranged like one of the paper's, with its things"""
@@ -131,10 +131,7 @@ def _colours(rng: np.random.Generator, chosen: list[Asset], judging: bool) -> li
 
 def _differ(a: Asset, b: Asset, colour: str) -> bool:
     """Whether size or material tells two of a kind apart that are both of this colour."""
-    ratio = length_of(a.size) / length_of(b.size)
-    if max(ratio, 1 / ratio) >= OTHER_SIZE_RATIO:
-        return True
-    return colour != "black" and tells_apart(a.kind, a.material, b.material)
+    return of_other_size(a.size, b.size) or tells_apart(a.kind, a.material, b.material, colour)
 
 
 def _lights(rng: np.random.Generator) -> tuple[Light, ...]:

@@ -21,6 +21,12 @@ def length_of(size: Size) -> float:
     return float(np.cbrt(size[0] * size[1] * size[2]))
 
 
+def of_other_size(one: Size, other: Size) -> bool:
+    """Return whether people see that two of a kind differ in size."""
+    ratio = length_of(one) / length_of(other)
+    return max(ratio, 1.0 / ratio) >= OTHER_SIZE_RATIO
+
+
 def parts_of(item: SceneObject) -> tuple[str, ...]:
     """Return the names of its parts, each once."""
     return tuple(dict.fromkeys(part.name for part in shape_of(item).parts if part.name))
@@ -55,8 +61,8 @@ def _material_words(item: SceneObject, scene: Sequence[SceneObject]) -> list[str
 
 
 def _materials_differ(a: SceneObject, b: SceneObject) -> bool:
-    """Whether people see that two of a kind are of other materials: on black nothing is seen."""
-    return "black" not in (a.colour, b.colour) and tells_apart(a.kind, a.material, b.material)
+    """Whether people see that two of a kind are of other materials."""
+    return tells_apart(a.kind, a.material, b.material, a.colour, b.colour)
 
 
 def size_word(item: SceneObject, scene: Sequence[SceneObject]) -> str:
@@ -74,7 +80,6 @@ def told_apart_by(a: SceneObject, b: SceneObject) -> str:
     """Return the attribute that tells two of a kind apart: colour, size, material, or nothing."""
     if a.colour != b.colour:
         return "colour"
-    ratio = length_of(a.size) / length_of(b.size)
-    if max(ratio, 1.0 / ratio) >= OTHER_SIZE_RATIO:
+    if of_other_size(a.size, b.size):
         return "size"
     return "material" if _materials_differ(a, b) else ""

@@ -38,13 +38,34 @@ def at(u: float, v: float) -> ImagePoint:
     return ImagePoint(u, v, clipped=False)
 
 
+class Eyes(KnownThings):
+    """Sees a surface, too."""
+
+    def __init__(self, surface: PhraseEvidence | None) -> None:
+        super().__init__()
+        self.surface = surface
+
+    def ground(self, frame: Frame, phrases: Any, want: Any) -> list[PhraseEvidence]:
+        found = super().ground(frame, phrases, want)
+        return found if self.surface is None or list(phrases) != [SURFACE] else [self.surface]
+
+
+FRAME = Frame(0, *SIZE, b"picture")
+
+
+def moved_onto(
+    point: ImagePoint, surface: PhraseEvidence | None, objects: list[SceneObject]
+) -> ImagePoint:
+    return onto_surface(point, objects, Eyes(surface), FRAME)
+
+
 def test_a_free_place_stays() -> None:
     point = at(530.0, 367.0)
-    assert onto_surface(point, table(CUP.box), [CUP], SIZE) is point
+    assert moved_onto(point, table(CUP.box), [CUP]) is point
 
 
 def test_a_place_on_the_next_thing_moves_to_where_the_table_is_free() -> None:
-    moved = onto_surface(at(550.0, 367.0), table(CUP.box, PLATE.box), [CUP], SIZE)
+    moved = moved_onto(at(550.0, 367.0), table(CUP.box, PLATE.box), [CUP])
 
     assert CUP.box.right < moved.u < PLATE.box.left
     assert moved.u < PLATE.box.left - 0.5 * MARGIN * SIZE[0]
@@ -52,7 +73,7 @@ def test_a_place_on_the_next_thing_moves_to_where_the_table_is_free() -> None:
 
 
 def test_a_place_past_the_edge_moves_onto_the_table() -> None:
-    moved = onto_surface(at(450.0, 190.0), table(), [CUP], SIZE)
+    moved = moved_onto(at(450.0, 190.0), table(), [CUP])
 
     assert 200.0 + 0.5 * MARGIN * SIZE[0] < moved.v < 230.0
     assert moved.u == pytest.approx(450.0, abs=CELL)
@@ -60,7 +81,7 @@ def test_a_place_past_the_edge_moves_onto_the_table() -> None:
 
 def test_the_table_goes_on_beyond_the_edge_of_the_picture() -> None:
     point = at(1279.0, 719.0)
-    assert onto_surface(point, table(), [CUP], SIZE) is point
+    assert moved_onto(point, table(), [CUP]) is point
 
 
 NOTHING_SEEN = PhraseEvidence(
@@ -84,7 +105,13 @@ BOXES_ONLY = PhraseEvidence(phrase=SURFACE, found=True, score=0.9, point=None, b
 def test_every_other_place_stays(
     point: ImagePoint, surface: PhraseEvidence | None, objects: list[SceneObject]
 ) -> None:
-    assert onto_surface(point, surface, objects, SIZE) is point
+    assert moved_onto(point, surface, objects) is point
+
+
+def test_for_a_place_on_a_thing_nobody_looks() -> None:
+    eyes = Eyes(table(CUP.box))
+    onto_surface(at(450.0, 350.0), [CUP], eyes, FRAME)
+    assert eyes.asked == []
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
@@ -92,29 +119,18 @@ def test_it_is_moved_so_far_and_no_farther(share: float) -> None:
     edge = 200.0 + (round(MARGIN * SIZE[0] / CELL) + 0.5) * CELL
     point = at(450.0, edge - share * REACH * 100.0)
 
-    assert (onto_surface(point, table(), [CUP], SIZE) is point) == (share > 1.0)
-
-
-class Eyes(KnownThings):
-    """Sees a table, too."""
-
-    def ground(self, frame: Frame, phrases: Any, want: Any) -> list[PhraseEvidence]:
-        found = super().ground(frame, phrases, want)
-        return [table(CUP.box, PLATE.box)] if list(phrases) == [SURFACE] else found
-
-
-FRAME = Frame(0, *SIZE, b"picture")
+    assert (moved_onto(point, table(), [CUP]) is point) == (share > 1.0)
 
 
 def test_surfaces_are_asked_for_as_a_heatmap() -> None:
-    eyes = Eyes()
+    eyes = Eyes(table(CUP.box, PLATE.box))
     assert look_for_surface(eyes, FRAME) is not None
     assert eyes.asked == [(0, (SURFACE,), "heatmaps")]
 
 
 def test_where_none_is_seen_or_nobody_answers_nothing_is_known() -> None:
     assert look_for_surface(KnownThings(), FRAME) is None
-    eyes = Eyes()
+    eyes = Eyes(table(CUP.box, PLATE.box))
     eyes.error = DeadlineError("no answer")
     assert look_for_surface(eyes, FRAME) is None
     eyes.error = ConfigError("no failed call")
@@ -134,7 +150,7 @@ def test_who_spoke_is_told_that_a_place_was_taken(away: str, taken: bool) -> Non
         utterance=parse("right of the cup"),
         mentions=[Mention("cup", Span(4, 4))],
         evidence=[cup],
-        surface=table(CUP.box, PLATE.box),
+        grounding=Eyes(table(CUP.box, PLATE.box)),
         pixels_per_cm=8.0,
     )
 

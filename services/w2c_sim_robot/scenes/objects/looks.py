@@ -8,7 +8,8 @@ import numpy as np
 
 from w2c_sim_robot.scenes.objects.catalogue import KINDS, make_object, shape_of
 from w2c_sim_robot.scenes.objects.materials import PRINTED
-from w2c_sim_robot.scenes.objects.shape import Mesh, Texture
+from w2c_sim_robot.scenes.objects.meshes import triangle_areas
+from w2c_sim_robot.scenes.objects.shape import Texture
 
 AFAR = 64
 """Texture at the distance of a robot's hands: finer grain is not seen [texels across]"""
@@ -30,12 +31,18 @@ class Look:
     opacity: float
 
 
-def tells_apart(kind: str, one: str, other: str) -> bool:
+def tells_apart(kind: str, one: str, other: str, *colours: str) -> bool:
     """Return whether people who see two of a kind can tell which of them is of which material.
 
-    A tray of painted metal looks like one of plastic; one of wood has a grain.
+    A plate of ceramic looks like one of plastic; one of wood has a grain. On black nothing is seen.
+
+    Args:
+        kind: Of both.
+        one: A material.
+        other: A material.
+        colours: Of the two, where they are known.
     """
-    if one == other:
+    if one == other or "black" in colours:
         return False
     a, b = look_of(kind, one), look_of(kind, other)
     return (
@@ -50,18 +57,12 @@ def look_of(kind: str, material: str) -> Look:
     """Return the look of a kind of thing that is made of a material."""
     item = make_object(kind, KINDS[kind].colours[0], _NOWHERE, material=material)
     parts = [part for part in shape_of(item).parts if part.surface.paint == "main"]
-    areas = [_area(part.mesh) for part in parts]
+    areas = [float(triangle_areas(part.mesh.vertices, part.mesh.faces).sum()) for part in parts]
     contrasts = [0.0 if part.name in PRINTED else _contrast(part.surface.texture) for part in parts]
     return Look(
         float(np.average(contrasts, weights=areas)) if parts else 0.0,
         min((part.surface.opacity for part in parts), default=1.0),
     )
-
-
-def _area(mesh: Mesh) -> float:
-    """Return the surface of a mesh [m2]."""
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
 def _contrast(texture: Texture | None) -> float:

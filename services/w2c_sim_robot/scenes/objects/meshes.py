@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import unit
-from w2c_sim_robot.scenes.objects.shape import Mesh, Points, Size, merged
+from w2c_sim_robot.scenes.objects.shape import Indices, Mesh, Points, Size, merged
 
 Profile = Sequence[Sequence[float] | Points] | Points
 SEGMENTS = 40
@@ -246,19 +246,21 @@ def _unit(rows: Points) -> Points:
     return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
 
 
+def triangle_areas(points: Points, triangles: Indices) -> Points:
+    """Return the area (m,) of triangles (m, 3) between points (n, 3)."""
+    a, b, c = (points[triangles[:, corner]] for corner in range(3))
+    return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+
+
 def _mesh(
     vertices: npt.ArrayLike, normals: npt.ArrayLike, texcoords: npt.ArrayLike, faces: npt.ArrayLike
 ) -> Mesh:
     """Return a mesh with the triangles that have an area: MuJoCo refuses the others."""
     points = np.asarray(vertices, dtype=np.float64)
     triangles = np.asarray(faces, dtype=np.int32)
-    corners = points[triangles]
-    area = np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
     return Mesh(
         points,
         np.asarray(normals, dtype=np.float64),
         np.asarray(texcoords, dtype=np.float64),
-        triangles[area > 1e-12],
+        triangles[triangle_areas(points, triangles) > 0.5e-12],
     )
