@@ -93,8 +93,8 @@ BOXES_ONLY = PhraseEvidence(phrase=SURFACE, found=True, score=0.9, point=None, b
 @pytest.mark.parametrize(
     ("point", "surface", "objects"),
     [
-        pytest.param(at(450.0, 350.0), table(CUP.box), [CUP], id="on the thing itself"),
-        pytest.param(at(600.0, 350.0), table(PLATE.box), [CUP, PLATE], id="on the other one"),
+        pytest.param(at(410.0, 350.0), table(CUP.box), [CUP], id="on the thing itself"),
+        pytest.param(at(550.0, 350.0), table(PLATE.box), [CUP, PLATE], id="on the other one"),
         pytest.param(at(450.0, 120.0), table(), [CUP], id="too far off"),
         pytest.param(at(450.0, 190.0), None, [CUP], id="no surface"),
         pytest.param(at(450.0, 190.0), NOTHING_SEEN, [CUP], id="a cold picture"),
