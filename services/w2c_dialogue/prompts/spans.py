@@ -6,6 +6,9 @@ classes rule most of that out: no name begins with "and" or ends with "of", and 
 and parts alone name nothing. What may be a name is left to the model.
 """
 
+from collections.abc import Sequence
+
+from w2c_dialogue.prompts.clauses import cut_short, stranded
 from w2c_dialogue.utterance import LETTERS, Span, Utterance
 
 MAX_SPAN_WORDS = 12
@@ -31,7 +34,7 @@ NEVER_FIRST = (
     | _ASIDES
     | {
         "a", "an", "are", "at", "down", "from", "further", "go", "here", "in", "is", "it", "it's",
-        "its", "lean", "me", "more", "on", "put", "there", "up", "us", "with", "you",
+        "its", "lean", "me", "more", "not", "on", "put", "there", "up", "us", "with", "you",
     }
 ) - {"my", "our"}  # fmt: skip
 """No name begins with them; the model is trained to leave articles out"""
@@ -41,11 +44,12 @@ NO_NAMES = (
     | {
         "again", "back", "bit", "bottom", "breadth", "center", "centimeters", "centimetres",
         "centre", "closer", "cm", "corner", "direction", "double", "downward", "downwards", "edge",
-        "far", "farther", "finger", "finger's", "fingers", "fist", "front", "half", "hand",
+        "far", "farther", "finger", "finger's", "fingers", "fist", "foot", "front", "half", "hand",
         "hand's", "hands", "higher", "inch", "inches", "left", "leftward", "leftwards", "little",
-        "lot", "lower", "middle", "much", "near", "nearer", "other", "right", "rightward",
-        "rightwards", "same", "side", "sides", "slightly", "tad", "that", "this", "thumb",
-        "thumb's", "top", "touch", "twice", "upward", "upwards", "way", "width",
+        "lot", "lower", "middle", "much", "near", "nearer", "other", "palm", "palms", "right",
+        "rightward", "rightwards", "same", "side", "sides", "slightly", "sole", "soles", "tad",
+        "that", "this", "thumb", "thumb's", "top", "touch", "twice", "upward", "upwards", "way",
+        "width",
     }
 )  # fmt: skip
 """No name is made of these alone: directions, amounts, parts of a thing, and all of the above"""
@@ -66,17 +70,13 @@ def spans_schema(utterance: Utterance) -> dict[str, object]:
 
 _OUT_OF = ["out", "of"]
 """`thing to drink out of`"""
-_ANYTHING = frozenset({"item", "object", "something", "thing"})
-_OF_USE = (["from"], ["in"], ["on"], ["with"])
-_GOES_ON = frozenset({"and", "by", "for", "if", "please", "then", "using", "with"})
-"""What goes on with a sentence where a name has ended"""
-_NO_VERB = frozenset(
+_PLACES = frozenset(
     {
-        "a", "an", "back", "down", "every", "his", "left", "me", "my", "our", "right", "that",
-        "the", "their", "this", "up", "us", "where", "you", "your",
+        "above", "at", "behind", "below", "beside", "between", "but", "in", "near", "next", "not",
+        "on", "to", "under", "with",
     }
 )  # fmt: skip
-"""After `to` they begin a direction, as in `move the thing to the left`"""
+"""After a comma they begin something else"""
 
 
 def naming_spans(utterance: Utterance) -> list[Span]:
@@ -89,37 +89,15 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         if words[first] not in NEVER_FIRST
         and (words[last] not in NEVER_LAST or words[first + 1 : last + 1][-2:] == _OUT_OF)
         and not NO_NAMES.issuperset(words[first : last + 1])
-        and not _cut_short(words, last)
-        and not _stranded(words, first, last)
+        and not cut_short(utterance.folded, first, last)
+        and not stranded(utterance.folded, first, last)
+        and not _goes_past(utterance.folded, first, last)
     ]
 
 
-def _cut_short(words: list[str], last: int) -> bool:
-    """Tell whether a name that ends there lacks what it is for: `thing | to wear`.
-
-    Not so in `from the red thing to shelf two`.
-    """
-    after = words[last + 1 : last + 3]
-    return (
-        words[last] in _ANYTHING
-        and len(after) == 2
-        and after[0] == "to"
-        and after[1] not in _NO_VERB
-        and "from" not in words[:last]
-    )
-
-
-def _stranded(words: list[str], first: int, last: int) -> bool:
-    """Tell whether the preposition of a use is left behind: `thing to dig | with`.
-
-    Not so where it begins something else, as in `take the thing to dig with your right hand`.
-    """
-    after = words[last + 1 : last + 3]
-    return (
-        not _ANYTHING.isdisjoint(words[first:last])
-        and after[:1] in _OF_USE
-        and (len(after) == 1 or after[1] in _GOES_ON)
-    )
+def _goes_past(folded: Sequence[str], first: int, last: int) -> bool:
+    """Tell whether a name goes past its end: `step, | behind the milk bottles`."""
+    return any(folded[at].endswith(",") and folded[at + 1] in _PLACES for at in range(first, last))
 
 
 def _any_of(numbers: set[int]) -> str:

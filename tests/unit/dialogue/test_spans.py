@@ -44,6 +44,9 @@ def test_what_people_call_a_thing_may_be_a_name(text: str, name: str) -> None:
         ("on the pink bowl, i think", "pink bowl, i think"),
         ("the left edge of the bowl", "of the bowl"),
         ("on the pink sneaker put your hand", "pink sneaker put"),
+        ("your foot on the step, behind the milk", "step, behind the milk"),
+        ("not the screen, the shelf", "not the screen"),
+        ("touch the thing that opens", "thing that"),
     ],
 )
 def test_words_around_a_thing_are_not_part_of_its_name(text: str, name: str) -> None:
@@ -58,6 +61,7 @@ def test_words_around_a_thing_are_not_part_of_its_name(text: str, name: str) -> 
         "twice as much in the same direction",
         "back down a touch",
         "a thumb's width up",
+        "put your right palm there",
     ],
 )
 def test_directions_and_amounts_name_nothing(text: str) -> None:
@@ -105,6 +109,19 @@ def test_a_thing_is_not_cut_off_from_its_use(text: str, whole: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "whole"),
+    [
+        ("between the thing that rings and the cup", "thing that rings"),
+        ("lean on the thing we baked", "thing we baked"),
+    ],
+)
+def test_a_bare_thing_is_not_cut_off_from_what_says_which(text: str, whole: str) -> None:
+    assert whole in names(text)
+    assert "thing" not in names(text)
+    assert "blue thing" in names(text.replace("thing", "blue thing"))
+
+
+@pytest.mark.parametrize(
     "text",
     [
         "move the red thing to the left",
@@ -124,6 +141,8 @@ def test_a_direction_is_no_use(text: str) -> None:
          "thing to chop vegetables on"),
         ("reach left from the thing to build with with your left arm", "thing to build with"),
         ("take the thing we put plates in, please", "thing we put plates in"),
+        ("left of that stool my aunt sits on", "stool my aunt sits on"),
+        ("grab the doodah you pull weeds with and give it here", "doodah you pull weeds with"),
     ],
 )  # fmt: skip
 def test_a_use_keeps_its_preposition(text: str, whole: str) -> None:
@@ -131,9 +150,18 @@ def test_a_use_keeps_its_preposition(text: str, whole: str) -> None:
     assert whole.rsplit(" ", maxsplit=1)[0] not in names(text)
 
 
+def test_a_clause_is_not_cut_in_its_middle() -> None:
+    assert "tool you pull long weeds with" in names("grab the tool you pull long weeds with")
+    assert "tool you pull long" not in names("grab the tool you pull long weeds with")
+
+
 @pytest.mark.parametrize(
     ("text", "whole"),
     [
+        ("press the lid of the pot on", "lid of the pot"),
+        ("bring the trolley with all the drawers in", "trolley with all the drawers"),
+        ("the cloth that covers the loaves, off", "cloth that covers the loaves"),
+        ("the mug you like on the left shelf", "mug you like"),
         ("take the thing to dig with your right hand", "thing to dig"),
         ("stand on the thing to drink from on the left", "thing to drink from"),
         ("put the red thing with the other mugs", "red thing"),
