@@ -28,6 +28,6 @@ def at_its_foot(point: ImagePoint, objects: Sequence[SceneObject]) -> ImagePoint
     box = objects[0].box
     height = box.bottom - box.top
     level = abs(point.v - 0.5 * (box.top + box.bottom)) <= LEVEL * height
-    if not level or box.left <= point.u <= box.right:
+    if not level or box.left <= point.u < box.right:
         return point
     return ImagePoint(point.u, box.top + FOOT * height, clipped=False)

@@ -11,10 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import CallError
-from w2c.messages import Array, Box, PhraseEvidence
+from w2c.messages import Array, PhraseEvidence
+from w2c_dialogue.cells import cell_at, middles
 from w2c_dialogue.expressions import ImagePoint
 from w2c_dialogue.interfaces import Frame, Grounding
 from w2c_dialogue.prompts.base import SceneObject
+from w2c_dialogue.sight import inside
 
 SURFACE = "surface"
 """What the vision model is asked for: a table, a counter, a board of a shelf"""
@@ -53,7 +55,7 @@ def onto_surface(
         grounding: Sees the surface.
         frame: The picture.
     """
-    if not objects or any(_inside(point, item.box) for item in objects):
+    if not objects or any(inside((point.u, point.v), item.box) for item in objects):
         return point
     surface = look_for_surface(grounding, frame)
     if surface is None or surface.heatmap is None:
@@ -62,11 +64,10 @@ def onto_surface(
     rows, columns = np.nonzero(free)
     if not len(rows):
         return point
-    height, width = free.shape
-    across, along = frame.width / width, frame.height / height
-    if free[min(int(point.v / along), height - 1), min(int(point.u / across), width - 1)]:
+    size = frame.width, frame.height
+    if free[cell_at(point.u, point.v, free.shape, size)]:
         return point
-    u, v = (columns + 0.5) * across, (rows + 0.5) * along
+    u, v = middles(rows, columns, free.shape, size)
     distance = np.hypot(u - point.u, v - point.v)
     nearest = int(np.argmin(distance))
     box = objects[0].box
@@ -83,7 +84,3 @@ def _free(heatmap: Array) -> npt.NDArray[np.bool_]:
     # The surface goes on beyond the edge of the picture.
     inner = cv2.erode(hot.astype(np.uint8), kernel, borderType=cv2.BORDER_REPLICATE)
     return np.asarray(inner > 0)
-
-
-def _inside(point: ImagePoint, box: Box) -> bool:
-    return box.left <= point.u <= box.right and box.top <= point.v <= box.bottom

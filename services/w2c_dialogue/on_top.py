@@ -7,6 +7,7 @@ that. What is flat lies open as a whole, and a point a little above its middle i
 import numpy as np
 
 from w2c.messages import PhraseEvidence
+from w2c_dialogue.cells import middles
 from w2c_dialogue.utterance import Mention, Utterance
 
 HEIGHT = 0.33
@@ -47,10 +48,9 @@ def upper_point(seen: PhraseEvidence, size: tuple[int, int]) -> tuple[float, flo
         return None
     box = seen.boxes[0]
     rows, columns = np.nonzero(seen.heatmap >= HOT * float(seen.heatmap.max()))
-    height, width = seen.heatmap.shape
-    u, v = (columns + 0.5) * size[0] / width, (rows + 0.5) * size[1] / height
+    u, v = middles(rows, columns, seen.heatmap.shape, size)
     wanted = box.top + HEIGHT * (box.bottom - box.top)
-    reach = max(NEARLY * (box.bottom - box.top), size[1] / height)
+    reach = max(NEARLY * (box.bottom - box.top), size[1] / len(seen.heatmap))
     near = (np.abs(v - wanted) <= reach) & (u >= box.left) & (u < box.right)
     if not near.any():
         return None

@@ -10,6 +10,7 @@ import numpy as np
 
 from w2c.errors import RefusedError
 from w2c.messages import Array, Box, PhraseEvidence
+from w2c_dialogue.cells import middles
 from w2c_dialogue.interfaces import Frame, Grounding
 from w2c_dialogue.prompts.base import SceneObject
 from w2c_dialogue.utterance import Mention, fold
@@ -86,7 +87,7 @@ def only(seen: PhraseEvidence, box: Box, size: tuple[int, int]) -> PhraseEvidenc
     point, heatmap = seen.point, seen.heatmap
     if heatmap is not None:
         heatmap = _within(heatmap, box, size)
-    if point is None or not (box.left <= point[0] < box.right and box.top <= point[1] < box.bottom):
+    if point is None or not inside(point, box):
         point = _hottest(heatmap, size) or centre(box)
     return msgspec.structs.replace(seen, boxes=[box], point=point, heatmap=heatmap)
 
@@ -115,14 +116,19 @@ def _hottest(heatmap: Array | None, size: tuple[int, int]) -> tuple[float, float
     """Return the pixel of a picture of a size where a heatmap is highest; None: it is cold."""
     if heatmap is None or not heatmap.any():
         return None
-    row, column = np.unravel_index(int(heatmap.argmax()), heatmap.shape)
-    height, width = heatmap.shape
-    return (float(column) + 0.5) * size[0] / width, (float(row) + 0.5) * size[1] / height
+    row, column = np.unravel_index([int(heatmap.argmax())], heatmap.shape)
+    u, v = middles(row, column, heatmap.shape, size)
+    return float(u[0]), float(v[0])
 
 
 def centre(box: Box) -> tuple[float, float]:
     """Return the middle of a box (u, v) [px]."""
     return 0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom)
+
+
+def inside(point: tuple[float, float], box: Box) -> bool:
+    """Tell whether a pixel (u, v) is in a box: its left and upper edge are, the others are not."""
+    return box.left <= point[0] < box.right and box.top <= point[1] < box.bottom
 
 
 def _area(box: Box) -> float:
