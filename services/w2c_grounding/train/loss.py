@@ -7,22 +7,25 @@ HARDEST_SHARE = 0.002
 """Of the pixels of a phrase: those that decide whether an absent thing is "found" """
 
 
-def mask_loss(logits: torch.Tensor, masks: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
-    """Return the loss of heatmaps against masks.
+def mask_loss(logits: torch.Tensor, shares: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
+    """Return the loss of heatmaps against the things that phrases fit.
 
-    Four terms. Cross-entropy of each pixel. Dice, which does not care that a cup covers a
+    Five terms. Cross-entropy of each pixel. Dice, which does not care that a cup covers a
     hundredth of the picture (Milletari et al., "V-Net", 2016, eq. 3, with squares). And the
     cross-entropy of the hottest pixels outside the mask: the peak of a heatmap decides whether a
-    thing is found, and the mean over all pixels hardly notices a single hot one. Last, how likely a
+    thing is found, and the mean over all pixels hardly notices a single hot one. How likely a
     pixel drawn from the soft-max over the picture is outside the mask: the arg-max is what is
-    pointed at.
+    pointed at. Last, the cross-entropy of the pixels of each thing, where all things count the
+    same: of two bowls the smaller one, too, is to be found.
 
     Args:
         logits: (phrases, side, side).
-        masks: (phrases, side, side), 0 or 1; all 0 for a phrase that fits nothing.
+        shares: (phrases, side, side), one over the pixels of a thing where a phrase fits it, else
+            0; all 0 for a phrase that fits nothing.
         weights: (phrases,), 0 leaves a phrase out.
     """
-    logits, masks = logits.flatten(1), masks.flatten(1)
+    logits, shares = logits.flatten(1), shares.flatten(1)
+    masks = (shares > 0).to(logits.dtype)
     each = functional.binary_cross_entropy_with_logits(logits, masks, reduction="none")
     probabilities = logits.sigmoid()
     overlap = (probabilities * masks).sum(dim=1)
@@ -35,7 +38,8 @@ def mask_loss(logits: torch.Tensor, masks: torch.Tensor, weights: torch.Tensor) 
     # Finite, so that phrases that fit nothing have a gradient of zero and not of NaN.
     inside = logits.masked_fill(masks == 0, -1e4).logsumexp(dim=1)
     astray = torch.where(present > 0, logits.logsumexp(dim=1) - inside, torch.zeros_like(present))
-    total = 4.0 * each.mean(dim=1) + dice + 0.25 * hardest + 0.25 * astray
+    missed = (each * shares).sum(dim=1) / shares.sum(dim=1).clamp(min=1.0)
+    total = 4.0 * each.mean(dim=1) + dice + 0.25 * (hardest + astray + missed)
     return (weights * total).sum() / weights.sum().clamp(min=1.0)
 
 

@@ -232,9 +232,12 @@ def _mask_loss(
         asked_for[number, list(question.identities)] = True
     asked_for[:, ROBOT] = False
     flat = owners.flatten(1).long().repeat_interleave(each, dim=0)
-    masks = asked_for.gather(1, flat).view(logits.shape).float()
-    areas = masks.sum(dim=(1, 2))
-    return mask_loss(logits, masks, ((areas == 0) | (areas >= least_area)).float())
+    pixels = torch.zeros(asked_for.shape).scatter_add_(1, flat, torch.ones(flat.shape))
+    pixels *= asked_for
+    areas = (asked_for * pixels).sum(dim=1)
+    # A thing of which next to nothing shows counts by what shows.
+    shares = (asked_for / pixels.clamp(min=least_area)).gather(1, flat).view(logits.shape)
+    return mask_loss(logits, shares, ((areas == 0) | (areas >= least_area)).float())
 
 
 def save_state(state: dict[str, Any], path: Path) -> None:
