@@ -48,6 +48,8 @@ class Render(msgspec.Struct, frozen=True, kw_only=True):
     """Processes that render at once; each takes 0.4 GB. The pictures are the same."""
     paper_share: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.2
     """Of scenes that are arranged like one of the paper's, with its things."""
+    twins_share: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.0
+    """Of the others: nothing but twins, of one kind and colour, but other materials or sizes."""
     json: Path | None = None
     """Write the list of truth files there."""
 
@@ -97,6 +99,7 @@ def _render(options: Render) -> None:
         picture=options.picture,
         depth=options.depth,
         paper_share=options.paper_share,
+        twins_share=options.twins_share,
     )
     for path in render(
         options.out,

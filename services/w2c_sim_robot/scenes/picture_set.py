@@ -24,6 +24,7 @@ class SetDescription(msgspec.Struct, frozen=True, kw_only=True):
     picture: Literal["png", "jpg"] = "png"
     depth: bool = True
     paper_share: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = PAPER_SHARE
+    twins_share: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.0
     version: int = VERSION
 
 

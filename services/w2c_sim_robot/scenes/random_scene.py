@@ -1,5 +1,7 @@
 """Scenes by chance: furniture or floor, things on it, colours, light. Same seed, same scene."""
 
+from itertools import combinations
+
 import numpy as np
 
 from w2c_sim_robot.scenes.assets import (
@@ -31,6 +33,10 @@ PAPER_ONLY_SHARE = 0.5
 CLUTTERED_SHARE = 0.25
 PAIR_SHARE = 0.45
 """Of scenes with two of a kind on purpose"""
+ALIKE = 0.6
+"""Of two of a kind that size or material tells apart: those in one colour"""
+TWINS_ALIKE = 0.95
+"""The same in scenes of twins"""
 OCCLUSION_SHARE = 0.35
 """Of things that are placed behind another, as the camera sees it, after a tall one"""
 TALL = 0.15
@@ -38,11 +44,19 @@ TALL = 0.15
 
 
 def random_scene(
-    seed: int, assets: tuple[Asset, ...] | None = None, paper_share: float = PAPER_SHARE
+    seed: int,
+    assets: tuple[Asset, ...] | None = None,
+    paper_share: float = PAPER_SHARE,
+    twins_share: float = 0.0,
 ) -> Scene:
-    """Return the scene of a seed; with `assets`, of these only, so that a model can be reused.
+    """Return the scene of a seed.
 
-    `paper_share` of the scenes are arranged like the paper's scene of this seed.
+    Args:
+        seed: Of all chance.
+        assets: The scene is made of these only, so that a model can be reused.
+        paper_share: Of scenes that are arranged like the paper's scene of their seed.
+        twins_share: Of the other scenes: nothing but twins, two of a kind in one colour that are of
+            other materials or sizes. A scene without twins is the same whatever this is.
     """
     rng = np.random.default_rng([seed, 1])
     judging = is_judging(seed)
@@ -62,13 +76,18 @@ def random_scene(
     )
     wanted = () if paper_scene is None else PAPER_KINDS[paper_scene]
     chosen = _choose(rng, stock, stage.name, wanted)
+    own = np.random.default_rng([seed, 3])
+    twins = _twins(own, stock, len(chosen)) if own.random() < twins_share else []
+    if paper_scene is None and twins:
+        chosen = twins
     if paper_scene is not None and rng.random() < PAPER_ONLY_SHARE:
         first = {asset.kind: asset for asset in reversed(chosen)}
         chosen = [first[kind] for kind in wanted if kind in first]
-        colours = _colours(rng, chosen, judging)
+        colours = _colours(rng, chosen, judging, ALIKE)
         colours = [PAPER_COLOURS.get(a.kind, c) for a, c in zip(chosen, colours, strict=True)]
     else:
-        colours = _colours(rng, chosen, judging)
+        one_colour = TWINS_ALIKE if chosen is twins else ALIKE
+        colours = _colours(rng, chosen, judging, one_colour)
     arranger = Arranger(rng, stage.surfaces)
     tall: Placed | None = None
     for asset, colour in zip(chosen, colours, strict=True):
@@ -109,15 +128,33 @@ def _choose(
     return (chosen + [asset for asset in order if asset not in chosen])[:count]
 
 
-def _colours(rng: np.random.Generator, chosen: list[Asset], judging: bool) -> list[str]:
+def _twins(rng: np.random.Generator, stock: tuple[Asset, ...], count: int) -> list[Asset]:
+    """Return up to `count` things, two of each kind, that differ in material or size."""
+    movable = [asset for asset in stock if not KINDS[asset.kind].furniture]
+    pairs = [
+        (one, other)
+        for one, other in combinations(movable, 2)
+        if one.kind == other.kind
+        and (one.material != other.material or of_other_size(one.size, other.size))
+    ]
+    order = [pairs[i] for i in rng.permutation(len(pairs))]
+    # Materials are harder to tell apart than sizes, and fewer pairs have them.
+    order.sort(key=lambda pair: pair[0].material == pair[1].material and rng.random() < 0.5)
+    return [asset for pair in order for asset in pair][: max(2, count)]
+
+
+def _colours(
+    rng: np.random.Generator, chosen: list[Asset], judging: bool, one_colour: float
+) -> list[str]:
     """Return a colour for each thing.
 
-    Two of a kind never have the same, unless their size or material tells them apart.
+    Two of a kind never have the same, unless their size or material tells them apart; `one_colour`
+    is the share of those that have.
     """
     taken: list[tuple[Asset, str]] = []
     for asset in chosen:
         alike = [(other, c) for other, c in taken if other.kind == asset.kind]
-        if alike and all(_differ(asset, *other) for other in alike) and rng.random() < 0.6:
+        if alike and all(_differ(asset, *other) for other in alike) and rng.random() < one_colour:
             taken.append((asset, alike[0][1]))
             continue
         used = {c for _, c in alike}

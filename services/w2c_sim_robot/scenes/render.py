@@ -83,7 +83,9 @@ def _render(files: PictureSet, numbers: Sequence[int], resume: bool) -> Iterator
                     pool.close()
                 block = number // SCENES_PER_STOCK
                 pool = Pool(block, description.width, description.height)
-            scene = random_scene(number, pool.assets, description.paper_share)
+            scene = random_scene(
+                number, pool.assets, description.paper_share, description.twins_share
+            )
             rng = np.random.default_rng([number, 9])
             shot = pool.shoot(scene, rng, shadows=bool(rng.random() < SHADOW_SHARE))
             write(files, name, scene, shot)

@@ -210,3 +210,33 @@ def test_a_scene_can_be_made_of_given_things_only() -> None:
     for seed in range(COUNT):
         for item in random_scene(seed, assets).objects:
             assert (item.name, item.kind, item.size, item.material) in known
+
+
+def test_a_scene_of_twins_has_two_of_each_kind_that_colour_does_not_tell_apart() -> None:
+    scenes = [random_scene(seed, paper_share=0.0, twins_share=1.0) for seed in range(20000, 20030)]
+    things = [[o for o in scene.objects if not KINDS[o.kind].furniture] for scene in scenes]
+    pairs = [
+        (one, other)
+        for some in things
+        for one, other in combinations(some, 2)
+        if one.kind == other.kind
+    ]
+    one_colour = [pair for pair in pairs if pair[0].colour == pair[1].colour]
+    of_another_material = [pair for pair in one_colour if pair[0].material != pair[1].material]
+
+    # Where there is no room for the second of two, it stands alone.
+    assert len(pairs) > 0.3 * sum(len(some) for some in things)
+    assert len(one_colour) > 0.75 * len(pairs)
+    assert len(of_another_material) > 0.3 * len(pairs)
+
+
+def test_a_share_of_twins_leaves_the_other_scenes_as_they_are() -> None:
+    seeds = range(20000, 20012)
+    plain = [random_scene(seed, paper_share=0.0) for seed in seeds]
+    some = [random_scene(seed, paper_share=0.0, twins_share=0.5) for seed in seeds]
+    assert [random_scene(seed, paper_share=1.0, twins_share=1.0) for seed in seeds] == [
+        random_scene(seed, paper_share=1.0) for seed in seeds
+    ]
+    same = [one == other for one, other in zip(plain, some, strict=True)]
+    assert any(same)
+    assert not all(same)
