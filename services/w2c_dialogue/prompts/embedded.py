@@ -25,6 +25,7 @@ from w2c_dialogue.prompts.base import (
     schema_of,
 )
 from w2c_dialogue.prompts.bound import arithmetic_of, numbers_of
+from w2c_dialogue.prompts.limb_words import named_limb
 from w2c_dialogue.prompts.spans import spans_schema
 from w2c_dialogue.utterance import Mention, Span, Utterance
 
@@ -109,8 +110,9 @@ class EmbeddedPrompts:
 
     def effector(self, utterance: Utterance) -> Question:
         """Ask for end effector and task."""
+        limb = named_limb(utterance)
         properties = {
-            "effector": {"type": "string", "enum": list(EFFECTORS)},
+            "effector": {"type": "string", "enum": list(EFFECTORS) if limb is None else [limb]},
             "task": {"type": "string", "enum": list(TASKS)},
         }
         return Question(
