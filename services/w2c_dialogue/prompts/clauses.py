@@ -23,6 +23,9 @@ _JOINS = frozenset(
 """An article after one of these belongs to it, and begins no clause"""
 _GOES_ON = frozenset({"and", "by", "for", "if", "please", "then", "using", "with"})
 """What goes on with a sentence where a name has ended"""
+_AMOUNTS = frozenset({"bit", "little", "lot", "tad", "touch"})
+_MOST_OF_A_VERB = 2
+"""Words: `normally carries`"""
 _NO_VERB = frozenset(
     {
         "a", "an", "back", "down", "every", "his", "left", "me", "my", "our", "right", "that",
@@ -32,61 +35,76 @@ _NO_VERB = frozenset(
 """After `to` they begin a direction, as in `move the thing to the left`"""
 
 
-def cut_short(folded: Sequence[str], first: int, last: int) -> bool:
+def is_cut(heard: Sequence[str], first: int, last: int) -> bool:
+    """Tell whether a name that ends there ends within a clause about the thing.
+
+    Args:
+        heard: Words in lower case, with a comma wherever somebody pauses.
+        first: Index of the first word of the name.
+        last: Index of its last word.
+    """
+    return (
+        _cut_short(heard, first, last)
+        or _without_object(heard, first, last)
+        or _stranded(heard, first, last)
+    )
+
+
+def _cut_short(heard: Sequence[str], first: int, last: int) -> bool:
     """Tell whether a name that ends there lacks what says which is meant: `thing | to wear`.
 
     Not so in `from the red thing to shelf two`, nor where a word before it says it, as in
     `the blue thing you see`.
-
-    Args:
-        folded: In lower case, commas kept.
-        first: Index of the first word of the name.
-        last: Index of its last word.
     """
-    if folded[last] in _RELATIVE:
+    if heard[last] in _RELATIVE:
         return True
-    after = folded[last + 1 : last + 3]
-    if folded[last] not in _ANYTHING or len(after) < 2:
+    after = heard[last + 1 : last + 3]
+    if heard[last] not in _ANYTHING or len(after) < 2:
         return False
-    use = after[0] == "to" and after[1] not in _NO_VERB and "from" not in folded[:last]
-    return use or (first == last and (after[0] in _RELATIVE or after[0] in _SUBJECTS))
+    use = after[0] == "to" and after[1] not in _NO_VERB and "from" not in heard[:last]
+    return use or (first == last and after[0] in _RELATIVE | _SUBJECTS | _OWNERS)
 
 
-def stranded(folded: Sequence[str], first: int, last: int) -> bool:
+def _without_object(heard: Sequence[str], first: int, last: int) -> bool:
+    """Tell whether a clause ends before what its verb does it to: `thing that opens | the door`."""
+    if heard[last].endswith(",") or last + 1 == len(heard):
+        return False
+    begins = _RELATIVE - {"where"}
+    verb = any(heard[at] in begins for at in range(max(first + 1, last - _MOST_OF_A_VERB), last))
+    after = heard[last + 1 : last + 3]
+    return verb and after[0] in _OWNERS | {"a", "an"} and _AMOUNTS.isdisjoint(after)
+
+
+def _stranded(heard: Sequence[str], first: int, last: int) -> bool:
     """Tell whether the preposition of a clause is left behind: `thing to dig | with`.
 
     Not so where it begins something else, as in `take the thing to dig with your right hand`.
-
-    Args:
-        folded: In lower case, commas kept.
-        first: Index of the first word of the name.
-        last: Index of its last word.
     """
-    if _has_subject(folded, first, last):
+    if _has_subject(heard, first, last):
         end = last + 1
-        while end < len(folded) and _in_one_phrase(folded[end - 1], folded[end]):
+        while end < len(heard) and _in_one_phrase(heard[end - 1], heard[end]):
             end += 1
-        return _ends_a_clause(folded, end)
-    return not _ANYTHING.isdisjoint(folded[first:last]) and _ends_a_clause(folded, last + 1)
+        return _ends_a_clause(heard, end)
+    return not _ANYTHING.isdisjoint(heard[first:last]) and _ends_a_clause(heard, last + 1)
 
 
 def _in_one_phrase(word: str, following: str) -> bool:
     return not word.endswith(",") and following.rstrip(",") not in _JOINS | _OWNERS | _SUBJECTS
 
 
-def _ends_a_clause(folded: Sequence[str], at: int) -> bool:
+def _ends_a_clause(heard: Sequence[str], at: int) -> bool:
     """Tell whether a preposition stands there with nothing that belongs to it."""
     return (
-        at < len(folded)
-        and not folded[at - 1].endswith(",")
-        and folded[at].rstrip(",") in _PREPOSITIONS
-        and (at + 1 == len(folded) or folded[at].endswith(",") or folded[at + 1] in _GOES_ON)
+        at < len(heard)
+        and not heard[at - 1].endswith(",")
+        and heard[at].rstrip(",") in _PREPOSITIONS
+        and (at + 1 == len(heard) or heard[at].endswith(",") or heard[at + 1] in _GOES_ON)
     )
 
 
-def _has_subject(folded: Sequence[str], first: int, last: int) -> bool:
+def _has_subject(heard: Sequence[str], first: int, last: int) -> bool:
     """Tell whether a name has a clause with a subject of its own: `chair | my dad sits`."""
     return any(
-        folded[at] in _SUBJECTS or (folded[at] in _OWNERS and folded[at - 1] not in _JOINS)
+        heard[at] in _SUBJECTS or (heard[at] in _OWNERS and heard[at - 1] not in _JOINS)
         for at in range(first + 1, last + 1)
     )

@@ -8,7 +8,7 @@ and parts alone name nothing. What may be a name is left to the model.
 
 from collections.abc import Sequence
 
-from w2c_dialogue.prompts.clauses import cut_short, stranded
+from w2c_dialogue.prompts.clauses import is_cut
 from w2c_dialogue.utterance import LETTERS, Span, Utterance
 
 MAX_SPAN_WORDS = 12
@@ -68,6 +68,8 @@ def spans_schema(utterance: Utterance) -> dict[str, object]:
     return {"type": "array", "items": items, "minItems": 0, "maxItems": len(LETTERS)}
 
 
+_MARKS = frozenset(".;:!?")
+_CLOSING = "\"')]"
 _OUT_OF = ["out", "of"]
 """`thing to drink out of`"""
 _PLACES = frozenset(
@@ -82,6 +84,7 @@ _PLACES = frozenset(
 def naming_spans(utterance: Utterance) -> list[Span]:
     """Return the spans that may name a thing, in order."""
     words = [word.rstrip(",") for word in utterance.folded]
+    heard = _with_pauses(utterance)
     return [
         Span(first + 1, last + 1)
         for first in range(len(words))
@@ -89,15 +92,22 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         if words[first] not in NEVER_FIRST
         and (words[last] not in NEVER_LAST or words[first + 1 : last + 1][-2:] == _OUT_OF)
         and not NO_NAMES.issuperset(words[first : last + 1])
-        and not cut_short(utterance.folded, first, last)
-        and not stranded(utterance.folded, first, last)
-        and not _goes_past(utterance.folded, first, last)
+        and not is_cut(heard, first, last)
+        and not _goes_past(heard, first, last)
     ]
 
 
-def _goes_past(folded: Sequence[str], first: int, last: int) -> bool:
+def _with_pauses(utterance: Utterance) -> list[str]:
+    """Return the words in lower case, with a comma wherever a mark is typed behind one."""
+    return [
+        f"{word.rstrip(',')}," if typed.rstrip(_CLOSING)[-1:] in _MARKS else word
+        for word, typed in zip(utterance.folded, utterance.typed, strict=True)
+    ]
+
+
+def _goes_past(heard: Sequence[str], first: int, last: int) -> bool:
     """Tell whether a name goes past its end: `step, | behind the milk bottles`."""
-    return any(folded[at].endswith(",") and folded[at + 1] in _PLACES for at in range(first, last))
+    return any(heard[at].endswith(",") and heard[at + 1] in _PLACES for at in range(first, last))
 
 
 def _any_of(numbers: set[int]) -> str:

@@ -113,6 +113,7 @@ def test_a_thing_is_not_cut_off_from_its_use(text: str, whole: str) -> None:
     [
         ("between the thing that rings and the cup", "thing that rings"),
         ("lean on the thing we baked", "thing we baked"),
+        ("beside the thing the baker kneads on", "thing the baker kneads on"),
     ],
 )
 def test_a_bare_thing_is_not_cut_off_from_what_says_which(text: str, whole: str) -> None:
@@ -148,6 +149,17 @@ def test_a_direction_is_no_use(text: str) -> None:
 def test_a_use_keeps_its_preposition(text: str, whole: str) -> None:
     assert whole in names(text)
     assert whole.rsplit(" ", maxsplit=1)[0] not in names(text)
+
+
+@pytest.mark.parametrize("verb", ["opens", "usually opens"])
+def test_a_clause_keeps_what_its_verb_does_it_to(verb: str) -> None:
+    text = f"grab the lever that {verb} the gate"
+    assert f"lever that {verb} the gate" in names(text)
+    assert f"lever that {verb}" not in names(text)
+    assert f"lever that {verb}" in names(f"grab the lever that {verb} a bit further")
+    for mark in (",", ";", ".", '."'):
+        text = f"the lever that {verb}{mark} the left hand goes there"
+        assert f"lever that {verb}" in names(text)
 
 
 def test_a_clause_is_not_cut_in_its_middle() -> None:
