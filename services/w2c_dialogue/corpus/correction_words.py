@@ -128,14 +128,16 @@ less, back by half, half way back, go back half, undo half of it, not so far, no
 that much, that's a bit too much, a little back, go back a bit, go back a little, back a bit,
 slightly too far, overshot, you overshot, it's too far, way too much, half back, not so much
 """),
-    "-1": names("""
+    "-1": names(
+        """
 back, go back, undo, undo that, go back to where it was, undo the last move, cancel that, take
 that back, back to the previous position, revert, revert that, previous position, move back, put
 it back, back to where it was before, no go back, undo it, as before, like before, where it was
 before, return to the previous point, the last one was better, it was better before, before was
 better, back where you were, undo the last correction, step back, return
-"""),
-    "-1.5": names(
+"""
+    )
+    + names(
         """
 no, the other way | other way | wrong direction | wrong way | no, the opposite direction | the
 opposite | that's the wrong direction | no the other direction | I meant the other way | the other
@@ -148,7 +150,7 @@ direction | in the other direction
         "|",
     ),
 }
-"""How much of the last move is added."""
+"""How much of the last move is added. The other way is as far the other way"""
 START = names("""
 back to the start, go back to the beginning, the first position, back to the first point, undo
 everything, undo all, reset, start over, back to the original position, the original point, where

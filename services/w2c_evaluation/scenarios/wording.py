@@ -29,8 +29,7 @@ REPEATS: dict[float, tuple[str, ...]] = {
     1.0: ("the same again", "once more", "do that again"),
     0.5: ("now half as much", "half of that"),
     -0.5: ("too far, go back half", "half way back"),
-    -1.0: ("undo that", "go back to where it was"),
-    -2.0: ("no, the other way", "wrong direction"),
+    -1.0: ("undo that", "go back to where it was", "no, the other way", "wrong direction"),
 }
 """How much of the last move, and the words for it"""
 MOST_CENTIMETRES = 40
