@@ -25,6 +25,8 @@ SIZE_WORDS = SMALL | LARGE
 _NOTHING = FUNCTION_WORDS | {"object", "thing"}
 """Words that alone ask for nothing: `the small one` is left to the model"""
 
+OTHERS = 0.75
+"""Of the threshold: where one thing fits, another that is nearly as sure is there as well"""
 LEAST_AREA = 0.0007
 """Of the picture: a smaller region is no thing to compare with, most often a stain"""
 LEAST_SHARE = 0.08
@@ -75,7 +77,9 @@ def compared(
         edge: Share of the peak at which a thing ends.
     """
     heatmap = evidence.heatmap
-    regions = find(heatmap, threshold, boxes=evidence.boxes, edge=edge).regions
+    if not find(heatmap, threshold, boxes=evidence.boxes, edge=edge).found:
+        return evidence
+    regions = find(heatmap, OTHERS * threshold, boxes=evidence.boxes, edge=edge).regions
     pixels = {number: int(np.count_nonzero(one.mask)) for number, one in enumerate(regions)}
     least = max(LEAST_AREA * heatmap.size, LEAST_SHARE * max(pixels.values(), default=0))
     areas = {
@@ -89,8 +93,11 @@ def compared(
     if len(order) < 2 or _alike(areas[order[0]], areas[order[1]]):
         return evidence
     chosen = regions[order[0]]
-    boxes = None if evidence.boxes is None else (_box(chosen),)
-    return replace(evidence, heatmap=_alone(heatmap, chosen, edge), boxes=boxes)
+    alone = _alone(heatmap, chosen, edge)
+    # That it fits was decided above; the little more is for rounding.
+    surer = max(1.0, (threshold + 1e-4) / chosen.score)
+    boxes = None if evidence.boxes is None else (_box(replace(chosen, score=surer * chosen.score)),)
+    return replace(evidence, heatmap=np.minimum(np.float32(surer) * alone, 1.0), boxes=boxes)
 
 
 def _length_at(region: Region, height: int) -> float:

@@ -50,7 +50,7 @@ class Task:
     begin_with: Path | None = None
     side: int | None = None
     resume: bool = False
-    name: str = "w2c-clipseg-6"
+    name: str = "w2c-clipseg-7"
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     size: Size = field(default_factory=Size)
     plan: Plan = field(default_factory=Plan)

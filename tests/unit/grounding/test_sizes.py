@@ -98,7 +98,8 @@ def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
         pytest.param((SMALLER,), id="one thing"),
         pytest.param((), id="nothing"),
         pytest.param(((10, 100, 40, 0.9), (100, 100, 41, 0.9)), id="two alike"),
-        pytest.param((LARGER, (10, 10, 20, 0.4)), id="the other below the threshold"),
+        pytest.param((LARGER, (10, 10, 20, 0.3)), id="the other far below the threshold"),
+        pytest.param(((10, 10, 40, 0.4), (100, 100, 60, 0.4)), id="none that fits"),
         pytest.param(((10, 10, 40, 0.9), (100, 100, 4, 0.9)), id="a stain"),
         pytest.param(((10, 10, 90, 0.9), (120, 120, 20, 0.9)), id="a piece"),
     ],
@@ -106,6 +107,21 @@ def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
 def test_where_sizes_tell_nothing_all_stays(squares: tuple[tuple[int, int, int, float]]) -> None:
     evidence = Evidence(heat(*squares))
     assert compared(evidence, THRESHOLD, large=False) is evidence
+
+
+@pytest.mark.parametrize("threshold", [0.5, 0.507, 0.51, 0.53])
+def test_beside_one_that_fits_another_may_be_less_sure(threshold: float) -> None:
+    evidence = compared(Evidence(heat(LARGER, (10, 10, 20, 0.4))), threshold, large=False)
+    (region,) = find(evidence.heatmap, threshold).regions
+    assert (region.left, region.top) == (10, 10)
+
+
+def test_so_may_a_detectors_box() -> None:
+    squares = (LARGER, (10, 10, 20, 0.4))
+    boxes = tuple(ScoredBox(x, y, x + side, y + side, hot) for x, y, side, hot in squares)
+    evidence = compared(Evidence(heat(*squares), boxes), THRESHOLD, large=False)
+    (region,) = find(evidence.heatmap, THRESHOLD, boxes=evidence.boxes).regions
+    assert (region.left, region.top) == (10, 10)
 
 
 def test_of_two_of_one_area_the_lower_one_is_nearer_and_so_the_small_one() -> None:
