@@ -58,7 +58,7 @@ def _cut_short(heard: Sequence[str], first: int, last: int) -> bool:
     """
     if heard[last] in _RELATIVE:
         return True
-    after = heard[last + 1 : last + 3]
+    after = _after(heard, last)
     if heard[last] not in _ANYTHING or len(after) < 2:
         return False
     use = after[0] == "to" and after[1] not in _NO_VERB and "from" not in heard[:last]
@@ -71,7 +71,7 @@ def _without_object(heard: Sequence[str], first: int, last: int) -> bool:
         return False
     begins = _RELATIVE - {"where"}
     verb = any(heard[at] in begins for at in range(max(first + 1, last - _MOST_OF_A_VERB), last))
-    after = heard[last + 1 : last + 3]
+    after = _after(heard, last)
     return verb and after[0] in _OWNERS | {"a", "an"} and _AMOUNTS.isdisjoint(after)
 
 
@@ -88,6 +88,11 @@ def _stranded(heard: Sequence[str], first: int, last: int) -> bool:
     return not _ANYTHING.isdisjoint(heard[first:last]) and _ends_a_clause(heard, last + 1)
 
 
+def _after(heard: Sequence[str], at: int) -> list[str]:
+    """Return the next two words, or as many as there are, without the pauses behind them."""
+    return [word.rstrip(",") for word in heard[at + 1 : at + 3]]
+
+
 def _in_one_phrase(word: str, following: str) -> bool:
     return not word.endswith(",") and following.rstrip(",") not in _JOINS | _OWNERS | _SUBJECTS
 
@@ -98,7 +103,7 @@ def _ends_a_clause(heard: Sequence[str], at: int) -> bool:
         at < len(heard)
         and not heard[at - 1].endswith(",")
         and heard[at].rstrip(",") in _PREPOSITIONS
-        and (at + 1 == len(heard) or heard[at].endswith(",") or heard[at + 1] in _GOES_ON)
+        and (at + 1 == len(heard) or heard[at].endswith(",") or _after(heard, at)[0] in _GOES_ON)
     )
 
 
