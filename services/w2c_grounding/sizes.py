@@ -77,9 +77,10 @@ def compared(
         edge: Share of the peak at which a thing ends.
     """
     heatmap = evidence.heatmap
-    if not find(heatmap, threshold, boxes=evidence.boxes, edge=edge).found:
+    finding = find(heatmap, OTHERS * threshold, boxes=evidence.boxes, edge=edge)
+    if finding.score < threshold:
         return evidence
-    regions = find(heatmap, OTHERS * threshold, boxes=evidence.boxes, edge=edge).regions
+    regions = finding.regions
     pixels = {number: int(np.count_nonzero(one.mask)) for number, one in enumerate(regions)}
     least = max(LEAST_AREA * heatmap.size, LEAST_SHARE * max(pixels.values(), default=0))
     areas = {

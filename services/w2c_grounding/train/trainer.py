@@ -234,7 +234,7 @@ def _mask_loss(
     flat = owners.flatten(1).long().repeat_interleave(each, dim=0)
     pixels = torch.zeros(asked_for.shape).scatter_add_(1, flat, torch.ones(flat.shape))
     pixels *= asked_for
-    areas = (asked_for * pixels).sum(dim=1)
+    areas = pixels.sum(dim=1)
     # A thing of which next to nothing shows counts by what shows.
     shares = (asked_for / pixels.clamp(min=least_area)).gather(1, flat).view(logits.shape)
     return mask_loss(logits, shares, ((areas == 0) | (areas >= least_area)).float())

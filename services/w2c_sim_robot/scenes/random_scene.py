@@ -76,17 +76,18 @@ def random_scene(
     )
     wanted = () if paper_scene is None else PAPER_KINDS[paper_scene]
     chosen = _choose(rng, stock, stage.name, wanted)
+    one_colour = ALIKE
     own = np.random.default_rng([seed, 3])
-    twins = _twins(own, stock, len(chosen)) if own.random() < twins_share else []
-    if paper_scene is None and twins:
-        chosen = twins
+    if paper_scene is None and own.random() < twins_share:
+        twins = _twins(own, stock, len(chosen))
+        if twins:
+            chosen, one_colour = twins, TWINS_ALIKE
     if paper_scene is not None and rng.random() < PAPER_ONLY_SHARE:
         first = {asset.kind: asset for asset in reversed(chosen)}
         chosen = [first[kind] for kind in wanted if kind in first]
-        colours = _colours(rng, chosen, judging, ALIKE)
+        colours = _colours(rng, chosen, judging, one_colour)
         colours = [PAPER_COLOURS.get(a.kind, c) for a, c in zip(chosen, colours, strict=True)]
     else:
-        one_colour = TWINS_ALIKE if chosen is twins else ALIKE
         colours = _colours(rng, chosen, judging, one_colour)
     arranger = Arranger(rng, stage.surfaces)
     tall: Placed | None = None
