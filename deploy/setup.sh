@@ -7,6 +7,18 @@ LLAMA_WHEEL_VERSION=$(sed -n 's/^llama-cpp-python==//p' constraints.txt)
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
+# --- room: an installation that runs out of it ends after minutes, in the middle of a package ---------
+if [ ! -x "$VENV/bin/w2c" ]; then
+    needed_mb=1000
+    case ",$EXTRAS," in *,all,* | *,gpu-host,* | *,grounding,* | *,llm,*) needed_mb=4500 ;; esac
+    free_mb=$(df -Pm "$(dirname "$VENV")" | awk 'NR == 2 { print $4 }')
+    if [ "$free_mb" -lt "$needed_mb" ]; then
+        say "$free_mb MB are free beside $VENV, and words2contact[$EXTRAS] needs about $needed_mb MB."
+        say "Free some space, or move the checkout to a larger disk."
+        exit 2
+    fi
+fi
+
 # --- system packages: compiler for llama.cpp, headers, OpenMP, off-screen GL for MuJoCo -----------
 missing=()
 command -v g++ >/dev/null || missing+=(g++)

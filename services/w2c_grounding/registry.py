@@ -147,9 +147,21 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
         )
     card = _card(config, entry, directory, name or source)
     family = entry.load(config, source, card)
+    if card.second_look and directory is not None:
+        family = _looking_again(family, directory, config.device, card)
     if card.compares_sizes:
         family, card = ComparesSizes(family, card.threshold, card.edge), _knowing_sizes(card)
     return Guarded(family, config.device), card
+
+
+def _looking_again(
+    family: Family[Any], directory: Path, device: str, card: ModelCard
+) -> Family[Any]:
+    """Return the family with its second look. Raises ModelError."""
+    from w2c_grounding.second_look import weights
+    from w2c_grounding.second_look.looks_again import LooksAgain
+
+    return LooksAgain(family, weights.read(directory), device, card.edge)
 
 
 def _knowing_sizes(card: ModelCard) -> ModelCard:

@@ -88,10 +88,15 @@ def compared(
         for number, one in enumerate(regions)
         if pixels[number] >= least
     }
-    order = sorted(areas, key=areas.__getitem__)
-    if large:
-        order.reverse()
-    if len(order) < 2 or _alike(areas[order[0]], areas[order[1]]):
+    order = sorted(areas, key=areas.__getitem__, reverse=large)
+    cut_off = {number for number in areas if _cut_off(regions[number], heatmap)}
+    if not large:
+        # What the border cuts off is larger than it looks.
+        order.sort(key=cut_off.__contains__)
+    if len(order) < 2:
+        return evidence
+    first, second = order[:2]
+    if (first in cut_off) == (second in cut_off) and _alike(areas[first], areas[second]):
         return evidence
     chosen = regions[order[0]]
     alone = _alone(heatmap, chosen, edge)
@@ -104,6 +109,12 @@ def compared(
 def _length_at(region: Region, height: int) -> float:
     """Return how long things look at the middle of a region; 1 in the middle of the picture."""
     return 1.0 + NEARER * (0.5 * (region.top + region.bottom) / height - 0.5)
+
+
+def _cut_off(region: Region, heatmap: Heatmap) -> bool:
+    """Tell whether a region reaches the border of the picture."""
+    height, width = heatmap.shape
+    return region.left <= 0 or region.top <= 0 or region.right >= width or region.bottom >= height
 
 
 def _alike(one: float, other: float) -> bool:

@@ -33,6 +33,7 @@ def _write(directory: Path, seed: int) -> Path:
         image[mask == 1] = COLOURS[colour]
         identity[mask == 1] = number
         names = SHAPES[str(kind)]
+        left, top, wide, high = cv2.boundingRect(mask)
         objects.append(
             {
                 "id": number,
@@ -44,6 +45,7 @@ def _write(directory: Path, seed: int) -> Path:
                 "phrases": [*names, *(f"{colour} {name}" for name in names)],
                 "held_out": False,
                 "visible_pixels": int(mask.sum()),
+                "box": [left, top, left + wide, top + high],
             }
         )
     name = f"{seed:07d}"

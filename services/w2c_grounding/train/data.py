@@ -47,6 +47,9 @@ class ObjectTruth(msgspec.Struct, frozen=True):
     """The kind never occurs in pictures for training"""
     held_out_material: bool = False
     """Kind and material never occur together in pictures for training"""
+    box: tuple[int, int, int, int] | None = None
+    """Left, top, right, bottom of what shows of it in the whole picture [px]; the last two are
+    exclusive"""
 
 
 class PictureTruth(msgspec.Struct, frozen=True):

@@ -10,24 +10,21 @@ import torch
 
 from w2c.clock import Clock
 from w2c.errors import ConfigError
-from w2c_grounding.card import ModelCard, read_card, write_card
-from w2c_grounding.model_config import ModelConfig
-from w2c_grounding.registry import check_directory, load
+from w2c_grounding.card import ModelCard, read_card
+from w2c_grounding.registry import check_directory
+from w2c_grounding.second_look.weights import carried
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.growth import resized, with_side, with_words
+from w2c_grounding.train.measure import apart, measured
 from w2c_grounding.train.model import Size, new_model, new_processor, read, save
 from w2c_grounding.train.pictures import Pictures, digest, open_pictures
 from w2c_grounding.train.plan import Plan, has_bf16
-from w2c_grounding.train.score import calibrate, run_trials, summarise
 from w2c_grounding.train.start import start_tower
 from w2c_grounding.train.trainer import Trainer, read_state, save_state
 from w2c_grounding.train.vocabulary import tokenizer_words, vocabulary_of
 from w2c_grounding.train.watch import watch
 
-KEPT = 20
-"""One picture in so many is kept back"""
-CALIBRATION_PICTURES = 120
 EDGE = 0.3
 """Where a thing ends in a heatmap of this training: there boxes agree best with those of the truth
 (on average .82 of their joint area, at half of the peak .76), and few pairs of things merge"""
@@ -50,7 +47,7 @@ class Task:
     begin_with: Path | None = None
     side: int | None = None
     resume: bool = False
-    name: str = "w2c-clipseg-7"
+    name: str = "w2c-clipseg-8"
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     size: Size = field(default_factory=Size)
     plan: Plan = field(default_factory=Plan)
@@ -79,7 +76,7 @@ class Run:
         torch.set_num_threads(task.threads)
         torch.manual_seed(task.seed)
         files = truth_files(task.data)
-        kept, used = files[::KEPT], [file for n, file in enumerate(files) if n % KEPT]
+        kept, used = apart(files)
         if not used:
             raise ConfigError(f"{task.data} holds {len(files)} pictures; training needs at least 2")
         model, processor, size, vocabulary = self._begin_with()
@@ -113,9 +110,15 @@ class Run:
         if not trainer.run(keep, self._report, stopped):
             return None
         checkpoint = task.out / "checkpoint"
-        card = ModelCard(name=task.name, edge=EDGE, vocabulary=vocabulary, compares_sizes=True)
+        card = ModelCard(
+            name=task.name,
+            edge=EDGE,
+            vocabulary=vocabulary,
+            compares_sizes=True,
+            second_look=carried(task.begin_with, checkpoint),
+        )
         save(trainer.averaged(), processor, card, checkpoint)
-        scores = self._measure(card, kept, checkpoint)
+        scores = measured(card, kept, checkpoint, seed=task.seed, threads=task.threads)
         scores |= {
             "steps": float(trainer.progress.steps),
             "minutes": trainer.look_at_clock() / 60.0,
@@ -148,20 +151,6 @@ class Run:
             rate=task.rate or usual,
             bf16=bf16,
         )
-
-    def _measure(self, card: ModelCard, kept: list[Path], checkpoint: Path) -> dict[str, float]:
-        """Calibrate the threshold of the checkpoint, note it there, and score it.
-
-        Half of the pictures kept back give the threshold, the others the scores.
-        """
-        family, _ = load(ModelConfig(model=str(checkpoint), threads=self._task.threads))
-        some = kept[:: max(1, len(kept) // CALIBRATION_PICTURES)]
-        trials = run_trials(family, some[::2], self._task.seed, edge=card.edge)
-        threshold = calibrate(trials)
-        write_card(msgspec.structs.replace(card, threshold=threshold), checkpoint)
-        scored = run_trials(family, some[1::2] or some, self._task.seed, edge=card.edge)
-        found = summarise(scored, threshold)
-        return {"threshold": threshold, **{name: value for name, (value, _) in found.items()}}
 
 
 def _some(pictures: Pictures) -> torch.Tensor:

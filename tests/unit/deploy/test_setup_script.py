@@ -8,10 +8,12 @@ from pathlib import Path
 
 from support.documents import ROOT
 
-TOOLS = ("bash", "sed", "id", "grep", "uname", "ls", "dirname", "cat")
+TOOLS = ("bash", "sed", "id", "grep", "uname", "ls", "dirname", "cat", "df", "awk")
 
 
-def run_setup(tmp_path: Path, python: str) -> "subprocess.CompletedProcess[str]":
+def run_setup(
+    tmp_path: Path, python: str, *, free_mb: int | None = None
+) -> "subprocess.CompletedProcess[str]":
     """Run the script with a PATH that holds a few tools only: no g++, no apt-get, no sudo."""
     tools = tmp_path / "bin"
     tools.mkdir()
@@ -19,6 +21,10 @@ def run_setup(tmp_path: Path, python: str) -> "subprocess.CompletedProcess[str]"
         found = shutil.which(name)
         assert found is not None, name
         (tools / name).symlink_to(found)
+    if free_mb is not None:
+        (tools / "df").unlink()
+        (tools / "df").write_text(f"#!/bin/sh\necho header\necho disk 9999 9 {free_mb} 99% /\n")
+        (tools / "df").chmod(0o755)
     environment = {**os.environ, "PATH": str(tools), "PYTHON": python}
     return subprocess.run(
         ["bash", str(ROOT / "deploy" / "setup.sh")],
@@ -41,3 +47,11 @@ def test_an_unsuitable_python_is_named(tmp_path: Path) -> None:
     answer = run_setup(tmp_path, "/nowhere/python")
     assert answer.returncode == 2
     assert "Python 3.11 or newer is needed" in answer.stderr
+
+
+def test_a_disk_without_room_is_told_before_anything_is_installed(tmp_path: Path) -> None:
+    answer = run_setup(tmp_path, sys.executable, free_mb=1200)
+    assert answer.returncode == 2
+    assert "1200 MB are free" in answer.stderr
+    assert "needs about 4500 MB" in answer.stderr
+    assert not (tmp_path / "venv").exists()

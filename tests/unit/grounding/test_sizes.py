@@ -153,3 +153,14 @@ def test_a_model_is_asked_for_the_rest() -> None:
     assert family.asked == ["mug", "mug"]
     assert len(find(plain.heatmap, THRESHOLD).regions) == 2
     assert len(find(large.heatmap, THRESHOLD).regions) == 1
+
+
+def test_what_the_border_cuts_off_is_not_taken_for_the_small_one() -> None:
+    cut_off, whole = (0, 50, 20, 0.9), (100, 100, 40, 0.9)
+    small = compared(Evidence(heat(cut_off, whole)), THRESHOLD, large=False)
+    assert peak_point(small.heatmap)[0] >= 100
+    # Nor need it be smaller where both are cut off.
+    both = compared(Evidence(heat(cut_off, (0, 100, 40, 0.9))), THRESHOLD, large=False)
+    assert peak_point(both.heatmap)[1] < 70
+    large = compared(Evidence(heat(cut_off, whole)), THRESHOLD, large=True)
+    assert peak_point(large.heatmap)[0] >= 100

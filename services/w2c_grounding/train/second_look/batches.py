@@ -1,0 +1,132 @@
+"""One step's squares and questions: which of the squares of its picture each phrase fits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch.nn import functional
+
+from w2c_grounding.second_look import crops
+from w2c_grounding.second_look.network import SecondLookNetwork, said
+from w2c_grounding.sizes import SIZE_WORDS
+from w2c_grounding.train.asker import Asker, Question
+from w2c_grounding.train.second_look import squares as cut
+from w2c_grounding.train.second_look.squares import Squares
+
+PICTURES = 18
+"""In a step"""
+PRESENT, ABSENT = 8, 4
+"""Phrases of a picture in a step"""
+DRAWN = 3
+"""Times as many are drawn once for each picture; a step takes some of them: drawing takes longer
+than learning"""
+_NOMINAL = (1.0 + crops.MARGIN) / (1.0 + cut.MARGIN)
+"""Side of what is cut at run time, over that of what was cut out here"""
+SCALES = (0.8, 1.2)
+"""Of the side that is cut, from one square to the other"""
+SHIFT = 0.12
+"""Of the middle, at most, in halves of the side that was cut out"""
+
+
+@dataclass(frozen=True)
+class SquareBatch:
+    """What one step learns from."""
+
+    squares: torch.Tensor
+    """(n, 3, side, side), 0 to 1"""
+    numbers: npt.NDArray[np.int64]
+    """(n,) of the squares in the set"""
+    phrases: list[str]
+    pairs: torch.Tensor
+    """(p, 2) square and phrase of the same picture, both of this batch"""
+    fits: torch.Tensor
+    """(p,) 1 where the phrase fits what the square shows, else 0"""
+
+
+class SquareBatches:
+    """Draws the batch of any step: a function of seed and step."""
+
+    def __init__(self, squares: Squares, network: SecondLookNetwork, seed: int) -> None:
+        self._squares = squares
+        self._seed = seed
+        self._known = network.numbers
+        self._asker = Asker(squares.truths)
+        self._drawn: dict[int, tuple[list[Question], list[Question]]] = {}
+
+    def make(self, step: int) -> SquareBatch:
+        """Return the batch of a step."""
+        rng = np.random.default_rng([self._seed, 6, step])
+        numbers: list[int] = []
+        phrases: list[str] = []
+        pairs: list[tuple[int, int]] = []
+        fits: list[bool] = []
+        pictures = rng.choice(len(self._squares.truths), PICTURES)
+        for picture in pictures.tolist():
+            mine = self._squares.of_picture[picture]
+            place = {number: len(numbers) + n for n, number in enumerate(mine)}
+            for question in self._some(picture, rng):
+                for number in mine:
+                    one = self._squares.cuts[number]
+                    meant = one.inside.intersection(question.identities)
+                    if one.item is None and meant:
+                        continue  # a piece of it, perhaps: neither right nor wrong
+                    pairs.append((place[number], len(phrases)))
+                    fits.append(bool(meant))
+                phrases.append(question.phrase)
+            numbers += mine
+        chosen = np.array(numbers)
+        generator = torch.Generator().manual_seed(int(rng.integers(2**31)))
+        pixels = torch.from_numpy(self._squares.pixels[chosen]).permute(0, 3, 1, 2)
+        return SquareBatch(
+            squares=_seen_otherwise(pixels.float() / 255.0, generator),
+            numbers=chosen,
+            phrases=phrases,
+            pairs=torch.tensor(pairs),
+            fits=torch.tensor(fits, dtype=torch.float32),
+        )
+
+    def _some(self, picture: int, rng: np.random.Generator) -> list[Question]:
+        if picture not in self._drawn:
+            self._drawn[picture] = self._draw(picture)
+        present, absent = self._drawn[picture]
+        return [*_sample(present, PRESENT, rng), *_sample(absent, ABSENT, rng)]
+
+    def _draw(self, picture: int) -> tuple[list[Question], list[Question]]:
+        truth = self._squares.truths[picture]
+        rng = np.random.default_rng([self._seed, 7, picture])
+        clear = truth.clearly_visible()
+        found = self._asker.ask(truth, clear, DRAWN * PRESENT, DRAWN * ABSENT, rng)
+        known = [one for one in found if self._is_known(one.phrase)]
+        return [one for one in known if one.identities], [
+            one for one in known if not one.identities
+        ]
+
+    def _is_known(self, phrase: str) -> bool:
+        """Tell whether all its words are known, and none is of sizes, which are compared."""
+        return all(word in self._known and word not in SIZE_WORDS for word in said(phrase))
+
+
+def _sample(questions: Sequence[Question], count: int, rng: np.random.Generator) -> list[Question]:
+    chosen = rng.permutation(len(questions))[:count]
+    return [questions[int(n)] for n in chosen]
+
+
+def _seen_otherwise(squares: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
+    """Return squares as at run time, each cut, turned over and lit a little differently."""
+    count = len(squares)
+
+    def drawn(low: float, high: float, *shape: int) -> torch.Tensor:
+        return low + (high - low) * torch.rand(count, *shape, generator=generator)
+
+    scales = _NOMINAL * drawn(*SCALES, 1) * drawn(0.93, 1.07, 2)
+    windows = torch.zeros(count, 2, 3)
+    windows[:, 0, 0] = scales[:, 0] * torch.where(drawn(0.0, 1.0) < 0.5, -1.0, 1.0)
+    windows[:, 1, 1] = scales[:, 1]
+    windows[:, :, 2] = drawn(-SHIFT, SHIFT, 2)
+    grid = functional.affine_grid(windows, [count, 3, crops.SIDE, crops.SIDE], align_corners=False)
+    cut = functional.grid_sample(squares, grid, align_corners=False, padding_mode="border")
+    lit = cut * drawn(0.7, 1.35, 1, 1, 1) * drawn(0.93, 1.07, 3, 1, 1) + drawn(-0.06, 0.06, 1, 1, 1)
+    noise = torch.randn(lit.shape, generator=generator) * drawn(0.0, 0.03, 1, 1, 1)
+    return (lit + noise).clamp(0.0, 1.0)

@@ -1,0 +1,157 @@
+"""The training loop of the second look."""
+
+from collections.abc import Callable
+from typing import Any
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from w2c.clock import Clock
+from w2c.errors import ConfigError
+from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork
+from w2c_grounding.train.plan import Plan, Progress, learning_rate
+from w2c_grounding.train.second_look.batches import SquareBatches
+from w2c_grounding.train.second_look.loss import match_loss
+from w2c_grounding.train.second_look.squares import Cut, Squares
+
+PLAIN = 0.3
+"""Of kind, colour and material of each square, beside what was asked for: they are learned from
+every square of a step, and phrases are made of them"""
+NOTHING = "nothing"
+"""What a square shows that was cut out anywhere"""
+
+
+class Plain(nn.Module):
+    """What a thing is called in the truth: kind, colour, material. Not kept after the training."""
+
+    def __init__(self, cuts: tuple[Cut, ...]) -> None:
+        super().__init__()
+        self._numbers = []
+        targets = []
+        for labels in zip(*(_labels(one) for one in cuts), strict=True):
+            number = {label: n for n, label in enumerate(sorted(set(labels)))}
+            self._numbers.append(number)
+            targets.append(torch.tensor([number[label] for label in labels]))
+        self._targets = torch.stack(targets)
+        self.heads = nn.ModuleList(nn.Linear(WIDTH, len(number)) for number in self._numbers)
+
+    def loss(self, seen: torch.Tensor, squares: torch.Tensor) -> torch.Tensor:
+        """Return the cross-entropy of squares (n,) of the set, of which this is seen (n, WIDTH)."""
+        losses = [
+            functional.cross_entropy(head(seen).float(), targets[squares])
+            for head, targets in zip(self.heads, self._targets, strict=True)
+        ]
+        return torch.stack(losses).sum()
+
+
+def _labels(cut: Cut) -> tuple[str, str, str]:
+    if cut.item is None:
+        return NOTHING, NOTHING, NOTHING
+    return cut.item.kind, cut.item.colour, cut.item.material
+
+
+class SecondLookTrainer:
+    """Network, optimiser and clock of one training."""
+
+    def __init__(
+        self,
+        network: SecondLookNetwork,
+        squares: Squares,
+        plan: Plan,
+        clock: Clock,
+        started_ns: int,
+    ) -> None:
+        """`started_ns` is when the command began."""
+        self.network = network.train().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        self.progress = Progress()
+        self._plan = plan
+        self._clock = clock
+        self._started_ns = started_ns
+        self._earlier_s = 0.0
+        self._batches = SquareBatches(squares, network, plan.seed)
+        self._plain = Plain(squares.cuts)
+        weights = [*network.parameters(), *self._plain.parameters()]
+        self._optimizer = torch.optim.AdamW(weights, weight_decay=plan.weight_decay)
+
+    def run(
+        self,
+        save: Callable[[], None],
+        report: Callable[[str], None],
+        stopped: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Train until the plan is done; return whether it is.
+
+        Args:
+            save: Called between checkpoints, and at the end.
+            report: Takes a line for people now and then.
+            stopped: Asked after every step; True ends the training, to be resumed.
+        """
+        self.look_at_clock()
+        if self.progress.steps == 0:
+            self.progress.began = self.progress.seconds
+        reported = saved = self.progress.seconds
+        losses: list[float] = []
+        while (fraction := self.progress.fraction(self._plan)) < 1.0 and not stopped():
+            losses.append(self.step())
+            seconds = self.look_at_clock()
+            if seconds - reported >= self._plan.report_s:
+                loss = sum(losses) / len(losses)
+                report(
+                    f"{seconds / 60:.1f} min, {100 * fraction:.0f} %, "
+                    f"step {self.progress.steps}, loss {loss:.3f}"
+                )
+                reported = seconds
+                losses.clear()
+            if seconds - saved >= self._plan.save_s:
+                save()
+                saved = self.look_at_clock()
+        save()
+        return self.progress.fraction(self._plan) >= 1.0
+
+    def step(self) -> float:
+        """Take one step; returns the loss."""
+        batch = self._batches.make(self.progress.steps)
+        with torch.autocast("cpu", torch.bfloat16, enabled=self._plan.bf16):
+            seen = self.network.see(batch.squares.contiguous(memory_format=torch.channels_last))
+        seen = seen.float()
+        meant = self.network.read(*self.network.tokens(batch.phrases))
+        square, phrase = batch.pairs.T
+        logits = self.network.match(seen[square], meant[phrase])
+        loss = match_loss(logits, batch.fits, phrase, len(batch.phrases))
+        loss = loss + PLAIN * self._plain.loss(seen, torch.from_numpy(batch.numbers))
+        for group in self._optimizer.param_groups:
+            group["lr"] = learning_rate(self._plan, self.progress)
+        self._optimizer.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        self._optimizer.step()
+        self.progress.steps += 1
+        return float(loss.detach())
+
+    def look_at_clock(self) -> float:
+        """Note the time, and return the seconds that were spent."""
+        passed_s = (self._clock.now_ns() - self._started_ns) * 1e-9
+        self.progress.seconds = self._earlier_s + passed_s
+        return self.progress.seconds
+
+    def state(self) -> dict[str, Any]:
+        """Return what a continuation needs."""
+        return {
+            "network": self.network.state_dict(),
+            "plain": self._plain.state_dict(),
+            "optimizer": self._optimizer.state_dict(),
+            "progress": vars(self.progress).copy(),
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Continue from a saved state. Raises ConfigError where it does not fit."""
+        try:
+            self.network.load_state_dict(state["network"])
+            self._plain.load_state_dict(state["plain"])
+            self._optimizer.load_state_dict(state["optimizer"])
+            self.progress = Progress(**state["progress"])
+        except (KeyError, RuntimeError, ValueError, TypeError) as error:
+            raise ConfigError(
+                f"the checkpoint is of other pictures: {error}; train without --resume"
+            ) from error
+        self._earlier_s = self.progress.seconds
