@@ -1,6 +1,7 @@
 """The second look is trained on things cut out of pictures: what is cut, asked and learned."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,9 +41,11 @@ def squares(data: Path) -> Squares:
     return cut_out(truth_files(data), seed=1)
 
 
-@pytest.fixture(autouse=True)
-def few_pictures_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batches, "PICTURES", 6)
+@pytest.fixture(autouse=True, scope="module")
+def few_pictures_a_step() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(batches, "PICTURES", 6)
+        yield
 
 
 def test_every_thing_is_cut_out_and_some_places_without_one(squares: Squares) -> None:
@@ -113,7 +116,7 @@ def test_gradients_are_finite(size: float) -> None:
 def test_colours_and_shapes_are_learned_and_told_apart(squares: Squares, data: Path) -> None:
     torch.manual_seed(0)
     network = SecondLookNetwork(vocabulary_of(squares.truths))
-    plan = Plan(steps=40, rate=3e-3, warm_up=5)
+    plan = Plan(steps=100, rate=3e-3, warm_up=5)
     trainer = SecondLookTrainer(network, squares, plan, StepClock(), 0)
     assert trainer.run(lambda: None, lambda _: None)
     network.eval()
