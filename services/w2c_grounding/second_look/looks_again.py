@@ -21,6 +21,9 @@ FAINTEST = 0.05
 """Heat of a region that is worth a second look"""
 LEAST_AREA = 0.0004
 """Of the picture: a smaller faint region is none of a thing"""
+STEP = 4
+"""What is faint is looked for in every such pixel: a heatmap is smooth, and this runs for each
+phrase"""
 MOST_REGIONS = 8
 """Of a phrase that are looked at, the hottest ones"""
 MOST_CERTAIN = 9.0
@@ -142,13 +145,14 @@ def worth_a_look(heatmap: Heatmap, edge: float = REGION_FRACTION) -> tuple[Regio
     level = edge * float(heatmap.max())
     if level <= FAINTEST:
         return clear[:MOST_REGIONS]
-    lit = (heatmap >= FAINTEST).astype(np.uint8)
+    coarse = heatmap[::STEP, ::STEP]
+    lit = (coarse >= FAINTEST).astype(np.uint8)
     _, found, statistics, _ = cv2.connectedComponentsWithStats(lit, connectivity=8)
     labels = np.asarray(found, np.int32)
-    known = {0, *np.unique(labels[heatmap >= level]).tolist()}
-    least = LEAST_AREA * heatmap.size
+    known = {0, *np.unique(labels[coarse >= level]).tolist()}
+    least = LEAST_AREA * coarse.size
     faint = [
-        _hottest(heatmap, labels, label, np.asarray(statistics[label], np.int32), edge)
+        _hottest(heatmap, labels == label, np.asarray(statistics[label], np.int32), edge)
         for label in range(1, len(statistics))
         if label not in known and statistics[label][cv2.CC_STAT_AREA] >= least
     ]
@@ -158,15 +162,17 @@ def worth_a_look(heatmap: Heatmap, edge: float = REGION_FRACTION) -> tuple[Regio
 
 def _hottest(
     heatmap: Heatmap,
-    labels: npt.NDArray[np.int32],
-    label: int,
+    piece: npt.NDArray[np.bool_],
     statistics: npt.NDArray[np.int32],
     edge: float,
 ) -> Region:
-    """Return the hottest region of one connected piece of a heatmap."""
+    """Return the hottest region of a piece of a heatmap, which every `STEP`-th pixel shows."""
     left, top, width, height = (int(value) for value in statistics[:4])
-    window = np.s_[top : top + height, left : left + width]
-    alone = np.where(labels[window] == label, heatmap[window], np.float32(0.0))
+    small = piece[top : top + height, left : left + width]
+    left, top = STEP * left, STEP * top
+    heat = heatmap[top : top + STEP * height, left : left + STEP * width]
+    mask = small.repeat(STEP, axis=0).repeat(STEP, axis=1)[: heat.shape[0], : heat.shape[1]]
+    alone = np.where(mask, heat, np.float32(0.0))
     found = regions_of(np.asarray(alone, np.float32), FAINTEST, edge)[0]
     return replace(
         found,
