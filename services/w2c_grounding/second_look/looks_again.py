@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Generic
+from typing import Any, Generic
 
 import cv2
 import numpy as np
@@ -138,49 +138,71 @@ class LooksAgain(Generic[ContextT]):
 def worth_a_look(heatmap: Heatmap, edge: float = REGION_FRACTION) -> tuple[Region, ...]:
     """Return the regions to look at, the hottest first, at most `MOST_REGIONS`.
 
-    Those of the heatmap, and beside them what is fainter than their edge: of two of a kind the
+    Those of the heatmap, and behind them what is fainter than their edge: of two of a kind the
     family is often sure of one alone.
     """
-    clear = regions_of(heatmap, FAINTEST, edge)
     level = edge * float(heatmap.max())
-    if level <= FAINTEST:
-        return clear[:MOST_REGIONS]
     coarse = heatmap[::STEP, ::STEP]
-    lit = (coarse >= FAINTEST).astype(np.uint8)
-    _, found, statistics, _ = cv2.connectedComponentsWithStats(lit, connectivity=8)
-    labels = np.asarray(found, np.int32)
-    known = {0, *np.unique(labels[coarse >= level]).tolist()}
-    least = LEAST_AREA * coarse.size
-    faint = [
-        _hottest(heatmap, labels == label, np.asarray(statistics[label], np.int32), edge)
-        for label in range(1, len(statistics))
-        if label not in known and statistics[label][cv2.CC_STAT_AREA] >= least
-    ]
-    faint.sort(key=lambda region: -region.score)
-    return (*clear, *faint)[:MOST_REGIONS]
+    lit = (coarse >= min(level, FAINTEST)).astype(np.uint8)
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(lit, connectivity=8)
+    clear: list[Region] = []
+    faint: list[Region] = []
+    for label in range(1, len(statistics)):
+        left, top, width, height, area = (int(value) for value in statistics[label])
+        piece = _Piece(heatmap, labels == label, (left, top, left + width, top + height))
+        hottest = float(piece.heat.max())
+        if hottest >= max(level, FAINTEST):
+            clear += piece.regions(level / hottest)
+        elif hottest >= FAINTEST and area >= LEAST_AREA * coarse.size:
+            faint += piece.regions(edge)[:1]
+    return (*_hottest_first(clear), *_hottest_first(faint))[:MOST_REGIONS]
 
 
-def _hottest(
-    heatmap: Heatmap,
-    piece: npt.NDArray[np.bool_],
-    statistics: npt.NDArray[np.int32],
-    edge: float,
-) -> Region:
-    """Return the hottest region of a piece of a heatmap, which every `STEP`-th pixel shows."""
-    left, top, width, height = (int(value) for value in statistics[:4])
-    small = piece[top : top + height, left : left + width]
-    left, top = STEP * left, STEP * top
-    heat = heatmap[top : top + STEP * height, left : left + STEP * width]
-    mask = small.repeat(STEP, axis=0).repeat(STEP, axis=1)[: heat.shape[0], : heat.shape[1]]
-    alone = np.where(mask, heat, np.float32(0.0))
-    found = regions_of(np.asarray(alone, np.float32), FAINTEST, edge)[0]
-    return replace(
-        found,
-        left=left + found.left,
-        top=top + found.top,
-        right=left + found.right,
-        bottom=top + found.bottom,
-    )
+def _hottest_first(regions: Sequence[Region]) -> list[Region]:
+    return sorted(regions, key=lambda region: -region.score)
+
+
+class _Piece:
+    """A connected piece of a heatmap, alone in its window."""
+
+    def __init__(
+        self, heatmap: Heatmap, cells: npt.NDArray[np.bool_], box: tuple[int, int, int, int]
+    ) -> None:
+        """Cut it out.
+
+        Args:
+            heatmap: (height, width).
+            cells: Which of every `STEP`-th pixel belong to it.
+            box: Of those: left, top, and exclusive right, bottom.
+        """
+        # One more all around: its edge lies between two of those pixels.
+        rows = slice(max(box[1] - 1, 0), box[3] + 1)
+        columns = slice(max(box[0] - 1, 0), box[2] + 1)
+        inside = cells[rows, columns]
+        wider = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8))
+        self._left, self._top = STEP * columns.start, STEP * rows.start
+        heat = heatmap[self._top : STEP * rows.stop, self._left : STEP * columns.stop]
+        self._inside = _grown(inside, heat.shape)
+        self.heat: Heatmap = heat * _grown(wider, heat.shape)
+
+    def regions(self, edge: float) -> list[Region]:
+        """Return its regions in the picture, the hottest first."""
+        return [
+            replace(
+                one,
+                left=self._left + one.left,
+                top=self._top + one.top,
+                right=self._left + one.right,
+                bottom=self._top + one.bottom,
+            )
+            for one in regions_of(self.heat, FAINTEST, edge)
+            # Not the rim of a neighbour.
+            if self._inside[one.top : one.bottom, one.left : one.right][one.mask].any()
+        ]
+
+
+def _grown(cells: npt.NDArray[Any], shape: tuple[int, ...]) -> npt.NDArray[Any]:
+    return cells.repeat(STEP, axis=0).repeat(STEP, axis=1)[: shape[0], : shape[1]]
 
 
 def weighed(

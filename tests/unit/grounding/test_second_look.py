@@ -131,6 +131,28 @@ def test_what_is_faint_beside_a_sure_region_is_looked_at_too() -> None:
     assert peak_point(blue)[0] > 190
 
 
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 9), st.integers(9, 60), st.floats(0.3, 1.0)),
+        min_size=1,
+        max_size=4,
+    ),
+    st.integers(0, 170),
+)
+def test_clear_regions_are_those_of_the_heatmap(
+    squares: list[tuple[int, int, float]], top: int
+) -> None:
+    level = heat(
+        *((70 * n + right, top + right, side, hot) for n, (right, side, hot) in enumerate(squares))
+    )
+    expected = regions_of(level, FAINTEST, EDGE)
+    found = worth_a_look(level, EDGE)[: len(expected)]
+    assert {(one.left, one.top, one.right, one.bottom) for one in found} == {
+        (one.left, one.top, one.right, one.bottom) for one in expected
+    }
+    assert all(one.mask.all() for one in found)
+
+
 def test_what_is_too_faint_too_small_or_hangs_together_is_not_looked_at_apart() -> None:
     assert len(worth_a_look(heat((40, 60, 50, 0.04), (200, 60, 50, 0.9)), EDGE)) == 1
     assert len(worth_a_look(heat((40, 60, 4, 0.2), (200, 60, 50, 0.9)), EDGE)) == 1
