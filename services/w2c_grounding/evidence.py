@@ -152,14 +152,20 @@ def regions_of(
     Equal peaks: the larger region comes first.
     """
     level = edge * float(heatmap.max())
-    inside = (heatmap >= level).astype(np.uint8)
+    everywhere = heatmap >= level
+    # Most of a picture is cold, and what finds connected sets goes through all that it is given.
+    rows, columns = (np.flatnonzero(everywhere.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return ()
+    first_row, first_column = int(rows[0]), int(columns[0])
+    inside = everywhere[first_row : rows[-1] + 1, first_column : columns[-1] + 1].astype(np.uint8)
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(inside, connectivity=8)
     regions: list[tuple[float, int, Region]] = []
     for label in range(1, len(statistics)):
         left, top, width, height, area = (int(value) for value in statistics[label])
-        window = np.s_[top : top + height, left : left + width]
-        mask: Mask = labels[window] == label
-        peak = float(heatmap[window][mask].max())
+        mask: Mask = labels[top : top + height, left : left + width] == label
+        left, top = first_column + left, first_row + top
+        peak = float(heatmap[top : top + height, left : left + width][mask].max())
         if peak >= threshold:
             region = Region(left, top, left + width, top + height, peak, mask)
             regions.append((peak, area, region))

@@ -226,7 +226,8 @@ def weighed(
     highest = max(scores)
     hottest = max(float(heatmap.max()), 1e-6)
     beside = np.float32(BESIDE * edge * highest)
-    result: Heatmap = np.minimum(heatmap * np.float32(highest / hottest), beside)
+    result: Heatmap = heatmap * np.float32(highest / hottest)
+    np.minimum(result, beside, out=result)
     for region, score in zip(regions, scores, strict=True):
         window = np.s_[region.top : region.bottom, region.left : region.right]
         inside = heatmap[window][region.mask]
