@@ -4,6 +4,7 @@ from pathlib import Path
 
 import msgspec
 
+from w2c.errors import ConfigError
 from w2c_grounding.card import ModelCard, write_card
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import load
@@ -15,8 +16,17 @@ CALIBRATION_PICTURES = 120
 
 
 def apart(files: list[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the pictures that are kept back, and those to train on."""
-    return files[::KEPT], [file for number, file in enumerate(files) if number % KEPT]
+    """Return the pictures that are kept back, and those to train on, of at least one.
+
+    Raises:
+        ConfigError: none is left to train on.
+    """
+    used = [file for number, file in enumerate(files) if number % KEPT]
+    if not used:
+        raise ConfigError(
+            f"{files[0].parent} holds {len(files)} pictures; training needs at least 2"
+        )
+    return files[::KEPT], used
 
 
 def measured(
@@ -38,3 +48,9 @@ def measured(
     scored = run_trials(family, some[1::2] or some, seed, edge=card.edge)
     found = summarise(scored, threshold)
     return {"threshold": threshold, **{name: value for name, (value, _) in found.items()}}
+
+
+def write_scores(scores: dict[str, float], directory: Path) -> None:
+    """Write scores.json."""
+    encoded = msgspec.json.format(msgspec.json.encode(scores), indent=1)
+    (directory / "scores.json").write_bytes(encoded + b"\n")

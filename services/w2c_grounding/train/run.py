@@ -5,18 +5,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-import msgspec
 import torch
 
 from w2c.clock import Clock
-from w2c.errors import ConfigError
 from w2c_grounding.card import ModelCard, read_card
 from w2c_grounding.registry import check_directory
 from w2c_grounding.second_look.weights import carried
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.growth import resized, with_side, with_words
-from w2c_grounding.train.measure import apart, measured
+from w2c_grounding.train.measure import apart, measured, write_scores
 from w2c_grounding.train.model import Size, new_model, new_processor, read, save
 from w2c_grounding.train.pictures import Pictures, digest, open_pictures
 from w2c_grounding.train.plan import Plan, has_bf16
@@ -77,8 +75,6 @@ class Run:
         torch.manual_seed(task.seed)
         files = truth_files(task.data)
         kept, used = apart(files)
-        if not used:
-            raise ConfigError(f"{task.data} holds {len(files)} pictures; training needs at least 2")
         model, processor, size, vocabulary = self._begin_with()
         self._report(f"{len(used)} pictures to train on, {len(kept)} kept back; reading them")
         pictures = open_pictures(used, size.image, task.out / "pictures", task.threads)
@@ -124,8 +120,7 @@ class Run:
             "minutes": trainer.look_at_clock() / 60.0,
             "pictures": float(len(used)),
         }
-        encoded = msgspec.json.format(msgspec.json.encode(scores), indent=1)
-        (task.out / "scores.json").write_bytes(encoded + b"\n")
+        write_scores(scores, task.out)
         return scores
 
     def _begin_with(self) -> tuple[Any, Any, Size, list[str]]:

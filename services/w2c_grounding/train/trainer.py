@@ -4,11 +4,10 @@ Every step is a function of the seed and its number, and there is no dropout, so
 interrupted does what it would have done.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 
 from w2c.clock import Clock
@@ -18,11 +17,12 @@ from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.batch import Batch, Batches
 from w2c_grounding.train.classes import Classes
 from w2c_grounding.train.data import ROBOT
+from w2c_grounding.train.loop import TrainingLoop
 from w2c_grounding.train.loss import mask_loss
 from w2c_grounding.train.model import Size, decode, embed, features, quieten
 from w2c_grounding.train.optimizer import Optimizer
 from w2c_grounding.train.pictures import Pictures
-from w2c_grounding.train.plan import Plan, Progress, learning_rate
+from w2c_grounding.train.plan import Plan, learning_rate
 
 AVERAGING = 0.997
 """Share of the old in the running average of the weights. The average, not the last step, is what
@@ -36,7 +36,7 @@ MOST_SKIPPED = 20
 """Steps without a finite gradient, after which something is wrong with rate or data"""
 
 
-class Trainer:
+class Trainer(TrainingLoop):
     """Model, optimiser, average and clock of one training."""
 
     def __init__(
@@ -51,15 +51,11 @@ class Trainer:
     ) -> None:
         """`pictures` are those to train on; `started_ns` is when the command began."""
         _choose_attention(model, bf16=plan.bf16)
+        super().__init__(plan, clock, started_ns)
         self.model = model.train()
-        self.progress = Progress()
         self._skipped = 0
         self._processor = processor
         self._size = size
-        self._plan = plan
-        self._clock = clock
-        self._started_ns = started_ns
-        self._earlier_s = 0.0
         self._batches = Batches(pictures, size, plan, Asker(pictures.truths))
         self._classes = Classes(pictures.truths)
         self._head = self._classes.head(size.width)
@@ -70,40 +66,6 @@ class Trainer:
         )
         self._average = {name: value.clone() for name, value in model.state_dict().items()}
         self._loudness: list[torch.Tensor] = []
-
-    def run(
-        self,
-        save: Callable[[], None],
-        report: Callable[[str], None],
-        stopped: Callable[[], bool] = lambda: False,
-    ) -> bool:
-        """Train until the plan is done; return whether it is.
-
-        Args:
-            save: Called between checkpoints, and at the end.
-            report: Takes a line for people now and then.
-            stopped: Asked after every step; True ends the training, to be resumed.
-
-        Raises:
-            ModelError: gradients are not finite, again and again.
-        """
-        self.look_at_clock()
-        if self.progress.steps == 0:
-            self.progress.began = self.progress.seconds
-        reported = saved = self.progress.seconds
-        losses: list[float] = []
-        while self.progress.fraction(self._plan) < 1.0 and not stopped():
-            losses.append(self.step())
-            seconds = self.look_at_clock()
-            if seconds - reported >= self._plan.report_s:
-                report(self._line(losses))
-                reported = seconds
-                losses.clear()
-            if seconds - saved >= self._plan.save_s:
-                save()
-                saved = self.look_at_clock()
-        save()
-        return self.progress.fraction(self._plan) >= 1.0
 
     def step(self) -> float:
         """Take one step; returns the loss.
@@ -131,12 +93,6 @@ class Trainer:
         copy.load_state_dict(self._average)
         return copy.eval()
 
-    def look_at_clock(self) -> float:
-        """Note the time, and return the seconds that were spent."""
-        passed_s = (self._clock.now_ns() - self._started_ns) * 1e-9
-        self.progress.seconds = self._earlier_s + passed_s
-        return self.progress.seconds
-
     def state(self) -> dict[str, Any]:
         """Return what a continuation needs."""
         return {
@@ -154,21 +110,12 @@ class Trainer:
             self._head.load_state_dict(state["head"])
             self._optimizer.load_state_dict(state["optimizer"])
             self._average = {name: value.clone() for name, value in state["average"].items()}
-            self.progress = Progress(**state["progress"])
+            self.go_on_from(state["progress"])
         except (KeyError, RuntimeError, ValueError, TypeError) as error:
             raise ConfigError(
                 f"the checkpoint is of another model or other kinds of objects: {error}; "
                 "train without --resume"
             ) from error
-        self._earlier_s = self.progress.seconds
-
-    def _line(self, losses: Sequence[float]) -> str:
-        progress = self.progress
-        return (
-            f"{progress.seconds / 60:.1f} min, {100 * progress.fraction(self._plan):.0f} %, "
-            f"step {progress.steps}, loss {np.mean(losses):.3f}, "
-            f"rate {learning_rate(self._plan, progress):.1e}"
-        )
 
     def _loss(self, batch: Batch) -> torch.Tensor:
         row, column = (self.progress.steps // 2) % 2, self.progress.steps % 2

@@ -9,13 +9,13 @@ import msgspec
 import torch
 
 from w2c.clock import Clock
-from w2c.errors import ConfigError, W2CError
+from w2c.errors import W2CError
 from w2c_grounding.card import read_card
 from w2c_grounding.registry import check_directory
 from w2c_grounding.second_look import weights
 from w2c_grounding.second_look.network import SecondLookNetwork, with_words
 from w2c_grounding.train.data import truth_files
-from w2c_grounding.train.measure import apart, measured
+from w2c_grounding.train.measure import apart, measured, write_scores
 from w2c_grounding.train.pictures import digest
 from w2c_grounding.train.plan import Plan, has_bf16
 from w2c_grounding.train.second_look.squares import cut_out
@@ -59,8 +59,6 @@ def run(
     torch.manual_seed(task.seed)
     files = truth_files(task.data)
     kept, used = apart(files)
-    if not used:
-        raise ConfigError(f"{task.data} holds {len(files)} pictures; training needs at least 2")
     card = read_card(check_directory(task.checkpoint), task.checkpoint.name)
     report(f"{len(used)} pictures to train on, {len(kept)} kept back; cutting out their things")
     squares = cut_out(used, task.seed, task.threads)
@@ -105,6 +103,5 @@ def run(
         "minutes": trainer.look_at_clock() / 60.0,
         "squares": float(len(squares.cuts)),
     }
-    encoded = msgspec.json.format(msgspec.json.encode(scores), indent=1)
-    (task.out / "scores.json").write_bytes(encoded + b"\n")
+    write_scores(scores, task.out)
     return scores

@@ -1,6 +1,5 @@
 """The training loop of the second look."""
 
-from collections.abc import Callable
 from typing import Any
 
 import torch
@@ -10,7 +9,8 @@ from torch.nn import functional
 from w2c.clock import Clock
 from w2c.errors import ConfigError
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork
-from w2c_grounding.train.plan import Plan, Progress, learning_rate
+from w2c_grounding.train.loop import TrainingLoop
+from w2c_grounding.train.plan import Plan, learning_rate
 from w2c_grounding.train.second_look.batches import SquareBatches
 from w2c_grounding.train.second_look.loss import match_loss
 from w2c_grounding.train.second_look.squares import Cut, Squares
@@ -51,7 +51,7 @@ def _labels(cut: Cut) -> tuple[str, str, str]:
     return cut.item.kind, cut.item.colour, cut.item.material
 
 
-class SecondLookTrainer:
+class SecondLookTrainer(TrainingLoop):
     """Network, optimiser and clock of one training."""
 
     def __init__(
@@ -63,51 +63,12 @@ class SecondLookTrainer:
         started_ns: int,
     ) -> None:
         """`started_ns` is when the command began."""
+        super().__init__(plan, clock, started_ns)
         self.network = network.train().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-        self.progress = Progress()
-        self._plan = plan
-        self._clock = clock
-        self._started_ns = started_ns
-        self._earlier_s = 0.0
         self._batches = SquareBatches(squares, network, plan.seed)
         self._plain = Plain(squares.cuts)
         weights = [*network.parameters(), *self._plain.parameters()]
         self._optimizer = torch.optim.AdamW(weights, weight_decay=plan.weight_decay)
-
-    def run(
-        self,
-        save: Callable[[], None],
-        report: Callable[[str], None],
-        stopped: Callable[[], bool] = lambda: False,
-    ) -> bool:
-        """Train until the plan is done; return whether it is.
-
-        Args:
-            save: Called between checkpoints, and at the end.
-            report: Takes a line for people now and then.
-            stopped: Asked after every step; True ends the training, to be resumed.
-        """
-        self.look_at_clock()
-        if self.progress.steps == 0:
-            self.progress.began = self.progress.seconds
-        reported = saved = self.progress.seconds
-        losses: list[float] = []
-        while (fraction := self.progress.fraction(self._plan)) < 1.0 and not stopped():
-            losses.append(self.step())
-            seconds = self.look_at_clock()
-            if seconds - reported >= self._plan.report_s:
-                loss = sum(losses) / len(losses)
-                report(
-                    f"{seconds / 60:.1f} min, {100 * fraction:.0f} %, "
-                    f"step {self.progress.steps}, loss {loss:.3f}"
-                )
-                reported = seconds
-                losses.clear()
-            if seconds - saved >= self._plan.save_s:
-                save()
-                saved = self.look_at_clock()
-        save()
-        return self.progress.fraction(self._plan) >= 1.0
 
     def step(self) -> float:
         """Take one step; returns the loss."""
@@ -128,12 +89,6 @@ class SecondLookTrainer:
         self.progress.steps += 1
         return float(loss.detach())
 
-    def look_at_clock(self) -> float:
-        """Note the time, and return the seconds that were spent."""
-        passed_s = (self._clock.now_ns() - self._started_ns) * 1e-9
-        self.progress.seconds = self._earlier_s + passed_s
-        return self.progress.seconds
-
     def state(self) -> dict[str, Any]:
         """Return what a continuation needs."""
         return {
@@ -149,9 +104,8 @@ class SecondLookTrainer:
             self.network.load_state_dict(state["network"])
             self._plain.load_state_dict(state["plain"])
             self._optimizer.load_state_dict(state["optimizer"])
-            self.progress = Progress(**state["progress"])
+            self.go_on_from(state["progress"])
         except (KeyError, RuntimeError, ValueError, TypeError) as error:
             raise ConfigError(
                 f"the checkpoint is of other pictures: {error}; train without --resume"
             ) from error
-        self._earlier_s = self.progress.seconds

@@ -1,0 +1,79 @@
+"""What all trainings do alike: steps until the plan is done, with reports and checkpoints."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from w2c.clock import Clock
+from w2c_grounding.train.plan import Plan, Progress, learning_rate
+
+
+class TrainingLoop(ABC):
+    """A training of which a subclass knows the steps."""
+
+    def __init__(self, plan: Plan, clock: Clock, started_ns: int) -> None:
+        """`started_ns` is when the command began."""
+        self.progress = Progress()
+        self._plan = plan
+        self._clock = clock
+        self._started_ns = started_ns
+        self._earlier_s = 0.0
+
+    @abstractmethod
+    def step(self) -> float:
+        """Take one step; returns the loss."""
+
+    def run(
+        self,
+        save: Callable[[], None],
+        report: Callable[[str], None],
+        stopped: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Train until the plan is done; return whether it is.
+
+        Args:
+            save: Called between checkpoints, and at the end.
+            report: Takes a line for people now and then.
+            stopped: Asked after every step; True ends the training, to be resumed.
+
+        Raises:
+            ModelError: what a step raises.
+        """
+        self.look_at_clock()
+        if self.progress.steps == 0:
+            self.progress.began = self.progress.seconds
+        reported = saved = self.progress.seconds
+        losses: list[float] = []
+        while self.progress.fraction(self._plan) < 1.0 and not stopped():
+            losses.append(self.step())
+            seconds = self.look_at_clock()
+            if seconds - reported >= self._plan.report_s:
+                report(self._line(losses))
+                reported = seconds
+                losses.clear()
+            if seconds - saved >= self._plan.save_s:
+                save()
+                saved = self.look_at_clock()
+        save()
+        return self.progress.fraction(self._plan) >= 1.0
+
+    def look_at_clock(self) -> float:
+        """Note the time, and return the seconds that were spent."""
+        passed_s = (self._clock.now_ns() - self._started_ns) * 1e-9
+        self.progress.seconds = self._earlier_s + passed_s
+        return self.progress.seconds
+
+    def go_on_from(self, progress: Mapping[str, Any]) -> None:
+        """Continue from the progress of a saved state. Raises TypeError where it is none."""
+        self.progress = Progress(**progress)
+        self._earlier_s = self.progress.seconds
+
+    def _line(self, losses: Sequence[float]) -> str:
+        progress = self.progress
+        return (
+            f"{progress.seconds / 60:.1f} min, {100 * progress.fraction(self._plan):.0f} %, "
+            f"step {progress.steps}, loss {np.mean(losses):.3f}, "
+            f"rate {learning_rate(self._plan, progress):.1e}"
+        )
