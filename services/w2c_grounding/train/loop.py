@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 
 from w2c.clock import Clock
+from w2c.errors import ModelError
 from w2c_grounding.train.plan import Plan, Progress, learning_rate
+
+MOST_SKIPPED = 20
+"""Steps without a finite gradient, after which something is wrong with rate or data"""
 
 
 class TrainingLoop(ABC):
@@ -20,10 +24,11 @@ class TrainingLoop(ABC):
         self._clock = clock
         self._started_ns = started_ns
         self._earlier_s = 0.0
+        self._skipped = 0
 
     @abstractmethod
     def step(self) -> float:
-        """Take one step; returns the loss."""
+        """Take one step; returns the loss. Raises ModelError as `skip` does."""
 
     def run(
         self,
@@ -69,6 +74,19 @@ class TrainingLoop(ABC):
         """Continue from the progress of a saved state. Raises TypeError where it is none."""
         self.progress = Progress(**progress)
         self._earlier_s = self.progress.seconds
+
+    def skip(self, rate: float, most: int = MOST_SKIPPED) -> None:
+        """Count a step that changes no weight, as its gradients are not finite.
+
+        Raises:
+            ModelError: there were more such steps than `most`.
+        """
+        self._skipped += 1
+        if self._skipped > most:
+            raise ModelError(
+                f"no finite gradient in {self._skipped} of {self.progress.steps + 1} steps, at a "
+                f"learning rate of {rate:.1e}: resume with a lower --rate"
+            )
 
     def _line(self, losses: Sequence[float]) -> str:
         progress = self.progress

@@ -11,7 +11,7 @@ from typing import Any
 import torch
 
 from w2c.clock import Clock
-from w2c.errors import ConfigError, ModelError, W2CError
+from w2c.errors import ConfigError, W2CError
 from w2c_grounding.train.asker import Asker, Question
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.batch import Batch, Batches
@@ -32,8 +32,6 @@ PATCH_WEIGHT = 0.6
 LEAST_AREA = 24
 """Of what a phrase fits [px of every second row and column]: where less of it is seen, a heatmap is
 judged neither for nor against it"""
-MOST_SKIPPED = 20
-"""Steps without a finite gradient, after which something is wrong with rate or data"""
 
 
 class Trainer(TrainingLoop):
@@ -53,7 +51,6 @@ class Trainer(TrainingLoop):
         _choose_attention(model, bf16=plan.bf16)
         super().__init__(plan, clock, started_ns)
         self.model = model.train()
-        self._skipped = 0
         self._processor = processor
         self._size = size
         self._batches = Batches(pictures, size, plan, Asker(pictures.truths))
@@ -79,7 +76,9 @@ class Trainer(TrainingLoop):
         weights = [*self.model.parameters(), *self._head.parameters()]
         norm = torch.nn.utils.clip_grad_norm_(weights, 1.0)
         if not bool(torch.isfinite(norm)):
-            self._skip(rate)
+            self.model.zero_grad()
+            self._head.zero_grad()
+            self.skip(rate)
         else:
             self._optimizer.step(rate)
             quieten(self.model, [float(one) for one in self._loudness])
@@ -140,17 +139,6 @@ class Trainer(TrainingLoop):
         dense = self._classes.loss(patches.float(), batch.owners, batch.truths, self._size.patch)
         share = 1.0 - self.progress.fraction(self._plan) * 2.0 / 3.0
         return asked + PATCH_WEIGHT * share * dense
-
-    def _skip(self, rate: float) -> None:
-        """Leave the weights as they are. Raises ModelError when that happens too often."""
-        self.model.zero_grad()
-        self._head.zero_grad()
-        self._skipped += 1
-        if self._skipped > MOST_SKIPPED:
-            raise ModelError(
-                f"no finite gradient in {self._skipped} of {self.progress.steps + 1} steps, at a "
-                f"learning rate of {rate:.1e}: resume with a lower --rate"
-            )
 
     def _update_average(self) -> None:
         # Early weights are forgotten faster: the average must not lag behind in a short training.

@@ -11,7 +11,7 @@ import torch
 
 from fakes.rendered import write_pictures
 from w2c.clock import StepClock
-from w2c.errors import ConfigError
+from w2c.errors import ConfigError, ModelError
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import load
 from w2c_grounding.second_look import crops, weights
@@ -163,8 +163,6 @@ def test_a_training_adds_a_second_look_to_a_checkpoint(
 def test_a_checkpoint_whose_second_look_is_missing_is_refused(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    from w2c.errors import ModelError
-
     for file in (task.out / "checkpoint").iterdir():
         if file.name != weights.FILE:
             (tmp_path / file.name).write_bytes(file.read_bytes())
@@ -199,6 +197,14 @@ def test_a_second_look_that_is_there_is_gone_on_from(
     )
     assert 0.0 < float((before - after).abs().max()) < 0.02
     assert load(ModelConfig(model=str(tmp_path / "checkpoint"), threads=1))[1].name == "more"
+
+
+def test_gradients_that_are_no_numbers_end_a_training_with_advice(
+    task: Task, tmp_path: Path
+) -> None:
+    with pytest.raises(ModelError, match="lower --rate"):
+        run(replace(task, out=tmp_path, rate=1e30), StepClock(), lambda _: None)
+    assert not (tmp_path / "checkpoint").exists()
 
 
 def test_the_command_says_what_is_missing(

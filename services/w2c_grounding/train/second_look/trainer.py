@@ -1,5 +1,6 @@
 """The training loop of the second look."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import torch
@@ -67,11 +68,15 @@ class SecondLookTrainer(TrainingLoop):
         self.network = network.train().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
         self._batches = SquareBatches(squares, network, plan.seed)
         self._plain = Plain(squares.cuts)
-        weights = [*network.parameters(), *self._plain.parameters()]
-        self._optimizer = torch.optim.AdamW(weights, weight_decay=plan.weight_decay)
+        self._weights = [*network.parameters(), *self._plain.parameters()]
+        self._optimizer = torch.optim.AdamW(self._weights, weight_decay=plan.weight_decay)
 
     def step(self) -> float:
-        """Take one step; returns the loss."""
+        """Take one step; returns the loss.
+
+        Raises:
+            ModelError: gradients are not finite.
+        """
         batch = self._batches.make(self.progress.steps)
         with torch.autocast("cpu", torch.bfloat16, enabled=self._plan.bf16):
             seen = self.network.see(batch.squares.contiguous(memory_format=torch.channels_last))
@@ -81,10 +86,14 @@ class SecondLookTrainer(TrainingLoop):
         logits = self.network.match(seen[square], meant[phrase])
         loss = match_loss(logits, batch.fits, phrase, len(batch.phrases))
         loss = loss + PLAIN * self._plain.loss(seen, torch.from_numpy(batch.numbers))
+        rate = learning_rate(self._plan, self.progress)
         for group in self._optimizer.param_groups:
-            group["lr"] = learning_rate(self._plan, self.progress)
+            group["lr"] = rate
         self._optimizer.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
+        if not bool(torch.isfinite(torch.nn.utils.get_total_norm(_gradients(self._weights)))):
+            # None is let pass: the norms' running means have seen what led to it.
+            self.skip(rate, most=0)
         self._optimizer.step()
         self.progress.steps += 1
         return float(loss.detach())
@@ -109,3 +118,7 @@ class SecondLookTrainer(TrainingLoop):
             raise ConfigError(
                 f"the checkpoint is of other pictures: {error}; train without --resume"
             ) from error
+
+
+def _gradients(weights: Sequence[torch.Tensor]) -> list[torch.Tensor]:
+    return [weight.grad for weight in weights if weight.grad is not None]
