@@ -56,7 +56,7 @@ class Turn(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """The point that was meant: the one that the person confirmed [px]"""
     x: str = ""
     y: str = ""
-    """The expressions of that point, as the robot computed it (`a.left-0.3*a.width`)"""
+    """The expressions of that point, as the robot computed it (`a.left-0.2*a.width`)"""
     px_per_cm: Size = PIXELS_PER_CM
 
 

@@ -110,7 +110,7 @@ OBJECTS_EXAMPLES: Examples = (
 RELATIVE = (
     f"{PICTURE} Work out the point where the robot shall put its hand or foot. Beside an object "
     "means outside its box: "
-    "0.3 of its width (or height) away from the edge unless a distance is given. On an edge or a "
+    "0.2 of its width (or height) away from the edge unless a distance is given. On an edge or a "
     "corner means just "
     "inside the box. Think first, in one or two short sentences. Then give x and y as arithmetic "
     "with numbers, "
@@ -120,17 +120,17 @@ RELATIVE_EXAMPLES: Examples = (
     (
         "Kettle is at [400, 300] with width=80 and height=120.\nPut your hand left of the kettle.",
         {
-            "chain_of_thought": "Half a width to the left edge, then 0.3 of it more.",
-            "x": "400-80/2-0.3*80",
+            "chain_of_thought": "Half a width to the left edge, then 0.2 of it more.",
+            "x": "400-80/2-0.2*80",
             "y": "300",
         },
     ),
     (
         "Tray is at [700, 500] with width=300 and height=100.\nlean behind the tray",
         {
-            "chain_of_thought": "Behind is up: half a height to the top edge, 0.3 of it more.",
+            "chain_of_thought": "Behind is up: half a height to the top edge, 0.2 of it more.",
             "x": "700",
-            "y": "500-100/2-0.3*100",
+            "y": "500-100/2-0.2*100",
         },
     ),
     (

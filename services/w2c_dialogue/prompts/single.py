@@ -32,7 +32,7 @@ SYSTEM = (
     "absolute when the place is on an object or the object itself, else relative. The first "
     "object's box is a, the second's b, the third's c; a box has left, right, top, bottom, width, "
     "height and its middle u, v, and cm is one centimetre. Beside an object means outside its "
-    "box: 0.3 of its width or height away from the edge unless a distance is given. Think first, "
+    "box: 0.2 of its width or height away from the edge unless a distance is given. Think first, "
     "in one or two short sentences. Give x and y as arithmetic of these. Answer in JSON."
 )
 EXAMPLES: tuple[tuple[str, str, str, tuple[str, ...], str, str], ...] = (

@@ -17,10 +17,10 @@ from w2c_evaluation.scenarios.wording import Saying
 
 NAME = "scripted"
 BESIDE = {
-    "left": ("a.left-0.3*a.width", "a.v"),
-    "right": ("a.right+0.3*a.width", "a.v"),
-    "behind": ("a.u", "a.top-0.3*a.height"),
-    "front": ("a.u", "a.bottom+0.3*a.height"),
+    "left": ("a.left-0.2*a.width", "a.v"),
+    "right": ("a.right+0.2*a.width", "a.v"),
+    "behind": ("a.u", "a.top-0.2*a.height"),
+    "front": ("a.u", "a.bottom+0.2*a.height"),
 }
 """The point beside a thing that nobody said how far away"""
 
