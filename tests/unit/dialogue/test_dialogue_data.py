@@ -39,14 +39,14 @@ def test_an_instruction_answers_four_questions(tmp_path: Path) -> None:
             "position": "relative",
             "end_effector": "left_hand",
             "task_type": "contact",
-            "point": [521, 299],
+            "point": [531, 299],
         },
     )
     assert answers(found) == {
         "select": "prediction",
         "analyze": '{"position":"relative","objects":["10-11"]}',
         "effector": '{"effector":"left_hand","task":"contact"}',
-        "relative": '{"x":"a.left-0.3*a.width","y":"a.v"}',
+        "relative": '{"x":"a.left-0.2*a.width","y":"a.v"}',
     }
     question = found.examples[-1].messages[1]["content"]
     assert question == "A middle\nplace your left palm to the left of the A"
