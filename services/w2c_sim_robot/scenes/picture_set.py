@@ -10,7 +10,7 @@ from w2c.errors import ConfigError, W2CError
 from w2c_sim_robot.scenes.random_scene import PAPER_SHARE
 
 DESCRIPTION_FILE = "set.json"
-VERSION = 5
+VERSION = 6
 """Of what is drawn for a seed: raised when the same seed gives another picture"""
 
 

@@ -14,8 +14,10 @@ from w2c_grounding.evidence import find, peak_point, regions_of
 from w2c_grounding.family import Evidence, Heatmap, RgbImage, ScoredBox
 from w2c_grounding.second_look import weights
 from w2c_grounding.second_look.crops import GREY, SIDE, brought_to_width, square_around
-from w2c_grounding.second_look.looks_again import FAINTEST, LooksAgain, weighed, worth_a_look
+from w2c_grounding.second_look.looks_again import LooksAgain
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork, said, with_words
+from w2c_grounding.second_look.regions import FAINTEST, worth_a_look
+from w2c_grounding.second_look.weighing import weighed
 
 EDGE = 0.3
 WORDS = ("red", "blue", "mug", "box")

@@ -17,6 +17,8 @@ from w2c_sim_robot.scenes.wording import phrases_in, told_apart_by
         ("tray", "plastic", "wood"),
         ("shoe", "fabric", "leather"),
         ("soap_dispenser", "plastic", "glass"),
+        ("box", "cardboard", "wood"),
+        ("block", "stone", "wood"),
     ],
 )
 def test_grain_shine_and_what_shows_through_tell_materials_apart(
@@ -33,6 +35,9 @@ def test_grain_shine_and_what_shows_through_tell_materials_apart(
         ("bottle", "glass", "plastic"),
         ("flower_pot", "ceramic", "stone"),
         ("toolbox", "metal", "metal"),
+        ("crate", "wood", "plastic"),
+        ("box", "cardboard", "plastic"),
+        ("bowl", "ceramic", "plastic"),
     ],
 )
 def test_what_looks_alike_tells_nothing(kind: str, one: str, other: str) -> None:

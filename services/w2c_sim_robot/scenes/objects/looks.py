@@ -15,6 +15,9 @@ AFAR = 64
 """Texture at the distance of a robot's hands: finer grain is not seen [texels across]"""
 SEEN = 0.025
 """Contrast (standard deviation, of white) from which people see that there is a pattern"""
+PLAIN = 0.04
+"""Contrast of a pattern that people see at a glance; one of less tells nothing from what has none
+or less still"""
 OTHER = 0.015
 """Contrasts that differ by less look alike, unless both are patterns"""
 OTHER_OPACITY = 0.2
@@ -34,7 +37,8 @@ class Look:
 def tells_apart(kind: str, one: str, other: str, *colours: str) -> bool:
     """Return whether people who see two of a kind can tell which of them is of which material.
 
-    A plate of ceramic looks like one of plastic; one of wood has a grain. On black nothing is seen.
+    A plate of ceramic looks like one of plastic; one of wood has a grain. The slats of a crate are
+    too narrow for one. On black nothing is seen.
 
     Args:
         kind: Of both.
@@ -45,11 +49,10 @@ def tells_apart(kind: str, one: str, other: str, *colours: str) -> bool:
     if one == other or "black" in colours:
         return False
     a, b = look_of(kind, one), look_of(kind, other)
-    return (
-        abs(a.contrast - b.contrast) >= OTHER
-        or min(a.contrast, b.contrast) >= SEEN
-        or abs(a.opacity - b.opacity) >= OTHER_OPACITY
-    )
+    if abs(a.opacity - b.opacity) >= OTHER_OPACITY:
+        return True
+    weaker, stronger = sorted((a.contrast, b.contrast))
+    return stronger >= PLAIN and (stronger - weaker >= OTHER or weaker >= SEEN)
 
 
 @cache

@@ -1,0 +1,92 @@
+"""Which regions of a heatmap are worth a look from near."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from w2c_grounding.evidence import REGION_FRACTION, Region, regions_of
+from w2c_grounding.family import Heatmap
+
+FAINTEST = 0.05
+"""Heat of a region that is worth a second look"""
+LEAST_AREA = 0.0004
+"""Of the picture: a smaller faint region is none of a thing"""
+STEP = 4
+"""What is faint is looked for in every such pixel: a heatmap is smooth, and this runs for each
+phrase"""
+MOST_REGIONS = 8
+"""Of a phrase that are looked at, the hottest ones"""
+
+
+def worth_a_look(heatmap: Heatmap, edge: float = REGION_FRACTION) -> tuple[Region, ...]:
+    """Return the regions to look at, the hottest first, at most `MOST_REGIONS`.
+
+    Those of the heatmap, and behind them what is fainter than their edge: of two of a kind the
+    family is often sure of one alone.
+    """
+    level = edge * float(heatmap.max())
+    coarse = heatmap[::STEP, ::STEP]
+    lit = (coarse >= min(level, FAINTEST)).astype(np.uint8)
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(lit, connectivity=8)
+    clear: list[Region] = []
+    faint: list[Region] = []
+    for label in range(1, len(statistics)):
+        left, top, width, height, area = (int(value) for value in statistics[label])
+        piece = _Piece(heatmap, labels == label, (left, top, left + width, top + height))
+        hottest = float(piece.heat.max())
+        if hottest >= max(level, FAINTEST):
+            clear += piece.regions(level / hottest)
+        elif hottest >= FAINTEST and area >= LEAST_AREA * coarse.size:
+            faint += piece.regions(edge)[:1]
+    return (*_hottest_first(clear), *_hottest_first(faint))[:MOST_REGIONS]
+
+
+def _hottest_first(regions: Sequence[Region]) -> list[Region]:
+    return sorted(regions, key=lambda region: -region.score)
+
+
+class _Piece:
+    """A connected piece of a heatmap, alone in its window."""
+
+    def __init__(
+        self, heatmap: Heatmap, cells: npt.NDArray[np.bool_], box: tuple[int, int, int, int]
+    ) -> None:
+        """Cut it out.
+
+        Args:
+            heatmap: (height, width).
+            cells: Which of every `STEP`-th pixel belong to it.
+            box: Of those: left, top, and exclusive right, bottom.
+        """
+        # One more all around: its edge lies between two of those pixels.
+        rows = slice(max(box[1] - 1, 0), box[3] + 1)
+        columns = slice(max(box[0] - 1, 0), box[2] + 1)
+        inside = cells[rows, columns]
+        wider = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8))
+        self._left, self._top = STEP * columns.start, STEP * rows.start
+        heat = heatmap[self._top : STEP * rows.stop, self._left : STEP * columns.stop]
+        self._inside = _grown(inside, heat.shape)
+        self.heat: Heatmap = heat * _grown(wider, heat.shape)
+
+    def regions(self, edge: float) -> list[Region]:
+        """Return its regions in the picture, the hottest first."""
+        return [
+            replace(
+                one,
+                left=self._left + one.left,
+                top=self._top + one.top,
+                right=self._left + one.right,
+                bottom=self._top + one.bottom,
+            )
+            for one in regions_of(self.heat, FAINTEST, edge)
+            # Not the rim of a neighbour.
+            if self._inside[one.top : one.bottom, one.left : one.right][one.mask].any()
+        ]
+
+
+def _grown(cells: npt.NDArray[Any], shape: tuple[int, ...]) -> npt.NDArray[Any]:
+    return cells.repeat(STEP, axis=0).repeat(STEP, axis=1)[: shape[0], : shape[1]]
