@@ -1,7 +1,8 @@
 """A place beside things is on the surface they stand on, and on nothing else that stands there.
 
 Arithmetic on boxes knows only the things that were named. Where it points at the next thing, at the
-robot's own hand or past the edge of the table, the nearest place on the surface is meant.
+robot's own hand or past the edge of the table, the nearest place on the surface is meant. Of a
+floor vision models see nothing: there the nearest place is meant that no thing takes.
 """
 
 from collections.abc import Sequence
@@ -20,8 +21,16 @@ from w2c_dialogue.sight import inside
 
 SURFACE = "surface"
 """What the vision model is asked for: a table, a counter, a board of a shelf"""
+THINGS = tuple(
+    f"{colour} thing"
+    for colour in (
+        "red", "orange", "yellow", "green", "blue", "turquoise", "purple", "pink", "brown", "black",
+        "grey", "white",
+    )
+)  # fmt: skip
+"""What it is asked for where it sees no surface: whatever stands there has a colour"""
 HOT = 0.5
-"""Of the peak: cells that show the surface"""
+"""Of the peak: cells that show what was asked for"""
 MARGIN = 0.008
 """From the edge of what is seen of the surface, as a share of the width of the picture"""
 REACH = 0.6
@@ -34,11 +43,21 @@ def look_for_surface(grounding: Grounding, frame: Frame) -> PhraseEvidence | Non
 
     A model that does not answer sees none: the place can be shown all the same, and corrected.
     """
+    seen = _look(grounding, frame, [SURFACE])
+    return seen[0] if len(seen) == 1 else None
+
+
+def look_for_things(grounding: Grounding, frame: Frame) -> list[PhraseEvidence]:
+    """Return what is seen of all things, whatever they are; nothing from a silent model."""
+    return _look(grounding, frame, THINGS)
+
+
+def _look(grounding: Grounding, frame: Frame, phrases: Sequence[str]) -> list[PhraseEvidence]:
     try:
-        seen = grounding.ground(frame, [SURFACE], "heatmaps")
+        seen = grounding.ground(frame, phrases, "heatmaps")
     except CallError:
-        return None
-    return seen[0] if len(seen) == 1 and seen[0].found else None
+        return []
+    return [one for one in seen if one.found]
 
 
 def onto_surface(
@@ -52,21 +71,18 @@ def onto_surface(
     Args:
         point: In the picture [px].
         objects: The things that the point is beside, the first of them the most important one.
-        grounding: Sees the surface.
+        grounding: Sees the surface, or what stands on the floor.
         frame: The picture.
     """
     if not objects or any(inside((point.u, point.v), item.box) for item in objects):
         return point
-    surface = look_for_surface(grounding, frame)
-    if surface is None or surface.heatmap is None:
-        return point
-    free = _free(surface.heatmap)
-    rows, columns = np.nonzero(free)
-    if not len(rows):
+    free = _free_places(grounding, frame)
+    if free is None or not free.any():
         return point
     size = frame.width, frame.height
     if free[cell_at(point.u, point.v, free.shape, size)]:
         return point
+    rows, columns = np.nonzero(free)
     u, v = middles(rows, columns, free.shape, size)
     distance = np.hypot(u - point.u, v - point.v)
     nearest = int(np.argmin(distance))
@@ -76,11 +92,25 @@ def onto_surface(
     return ImagePoint(float(u[nearest]), float(v[nearest]), clipped=point.clipped)
 
 
-def _free(heatmap: Array) -> npt.NDArray[np.bool_]:
-    """Return the cells (h, w) that show the surface and nothing of its edge."""
-    hot = (heatmap >= HOT * float(heatmap.max())) & (heatmap > 0)
-    cells = max(1, round(MARGIN * heatmap.shape[1]))
-    kernel = np.ones((2 * cells + 1, 2 * cells + 1), dtype=np.uint8)
-    # The surface goes on beyond the edge of the picture.
-    inner = cv2.erode(hot.astype(np.uint8), kernel, borderType=cv2.BORDER_REPLICATE)
+def _free_places(grounding: Grounding, frame: Frame) -> npt.NDArray[np.bool_] | None:
+    """Return the cells (h, w) where nothing stands, on surfaces if there are any; None: unknown."""
+    surface = look_for_surface(grounding, frame)
+    if surface is not None:
+        return None if surface.heatmap is None else _inner(_hot(surface.heatmap))
+    taken = [
+        _hot(one.heatmap) for one in look_for_things(grounding, frame) if one.heatmap is not None
+    ]
+    return _inner(~np.logical_or.reduce(taken)) if taken else None
+
+
+def _hot(heatmap: Array) -> npt.NDArray[np.bool_]:
+    return np.asarray((heatmap >= HOT * float(heatmap.max())) & (heatmap > 0))
+
+
+def _inner(cells: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return the cells (h, w) that are not near the edge of the others."""
+    width = max(1, round(MARGIN * cells.shape[1]))
+    kernel = np.ones((2 * width + 1, 2 * width + 1), dtype=np.uint8)
+    # A surface goes on beyond the edge of the picture.
+    inner = cv2.erode(cells.astype(np.uint8), kernel, borderType=cv2.BORDER_REPLICATE)
     return np.asarray(inner > 0)

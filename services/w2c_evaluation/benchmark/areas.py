@@ -26,6 +26,8 @@ END_SHARE = 0.4
 TOP_SHARE = 0.3
 TOP_M = 0.02
 """The top of a thing reaches down by this share of its height, or this far"""
+FLAT_M = 0.05
+"""What is no higher is all top: a tray's floor lies below its rim"""
 
 
 def on(sight: Sight, thing: Thing) -> Mask:
@@ -35,7 +37,10 @@ def on(sight: Sight, thing: Thing) -> Mask:
 
 def on_top(sight: Sight, thing: Thing) -> Mask:
     """Return what is seen of the top of a thing."""
-    least = thing.top - max(TOP_M, TOP_SHARE * (thing.top - thing.foot))
+    height = thing.top - thing.foot
+    if height <= FLAT_M:
+        return on(sight, thing)
+    least = thing.top - max(TOP_M, TOP_SHARE * height)
     return np.asarray(on(sight, thing) & (sight.world[:, :, 2] >= least), dtype=np.bool_)
 
 

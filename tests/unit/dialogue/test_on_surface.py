@@ -10,7 +10,7 @@ from w2c.errors import ConfigError, DeadlineError
 from w2c.messages import Box, PhraseEvidence
 from w2c_dialogue.expressions import ImagePoint
 from w2c_dialogue.interfaces import Frame
-from w2c_dialogue.on_surface import MARGIN, REACH, SURFACE, look_for_surface, onto_surface
+from w2c_dialogue.on_surface import MARGIN, REACH, SURFACE, THINGS, look_for_surface, onto_surface
 from w2c_dialogue.prompts.base import SceneObject
 from w2c_dialogue.prompts.sets import PROMPT_SETS
 from w2c_dialogue.relative import TAKEN, predict
@@ -31,6 +31,16 @@ def table(*taken: Box) -> PhraseEvidence:
         heatmap[rows, int(box.left) // CELL : int(box.right) // CELL] = 20
     return PhraseEvidence(
         phrase=SURFACE, found=True, score=0.9, point=(1.0, 1.0), boxes=[], heatmap=heatmap
+    )
+
+
+def standing(phrase: str, box: Box, *, found: bool = True) -> PhraseEvidence:
+    """Return a thing that stands on the floor."""
+    heatmap = np.zeros((SIZE[1] // CELL, SIZE[0] // CELL), np.uint8)
+    rows = slice(int(box.top) // CELL, int(box.bottom) // CELL)
+    heatmap[rows, int(box.left) // CELL : int(box.right) // CELL] = 200
+    return PhraseEvidence(
+        phrase=phrase, found=found, score=0.8, point=(1.0, 1.0), boxes=[box], heatmap=heatmap
     )
 
 
@@ -112,6 +122,53 @@ def test_for_a_place_on_a_thing_nobody_looks() -> None:
     eyes = Eyes(table(CUP.box))
     onto_surface(at(450.0, 350.0), [CUP], eyes, FRAME)
     assert eyes.asked == []
+
+
+class EyesOnTheFloor(KnownThings):
+    """Sees no surface, but things by their colour."""
+
+    def __init__(self, *seen: PhraseEvidence) -> None:
+        super().__init__()
+        self.seen = {one.phrase: one for one in seen}
+
+    def ground(self, frame: Frame, phrases: Any, want: Any) -> list[PhraseEvidence]:
+        found = super().ground(frame, phrases, want)
+        return [self.seen.get(one.phrase, one) for one in found]
+
+
+def test_on_a_floor_a_place_moves_to_where_nothing_stands() -> None:
+    eyes = EyesOnTheFloor(standing("red thing", CUP.box), standing("blue thing", PLATE.box))
+
+    moved = onto_surface(at(550.0, 367.0), [CUP], eyes, FRAME)
+
+    assert CUP.box.right < moved.u < PLATE.box.left - 0.5 * MARGIN * SIZE[0]
+    assert moved.v == pytest.approx(367.0, abs=CELL)
+    assert eyes.asked == [(0, (SURFACE,), "heatmaps"), (0, THINGS, "heatmaps")]
+
+
+@pytest.mark.parametrize(
+    "seen",
+    [
+        pytest.param([], id="nothing"),
+        pytest.param([standing("blue thing", PLATE.box, found=False)], id="nothing sure"),
+        pytest.param([standing("red thing", CUP.box)], id="something else"),
+        pytest.param(
+            [standing("red thing", Box(left=0.0, top=0.0, right=1280.0, bottom=720.0, score=0.9))],
+            id="all over the picture",
+        ),
+    ],
+)
+def test_on_a_floor_a_place_stays_where_nothing_is_known_to_stand(
+    seen: list[PhraseEvidence],
+) -> None:
+    point = at(560.0, 367.0)
+    assert onto_surface(point, [CUP], EyesOnTheFloor(*seen), FRAME) is point
+
+
+def test_where_a_table_is_seen_nobody_asks_for_things() -> None:
+    eyes = Eyes(table(CUP.box))
+    onto_surface(at(450.0, 190.0), [CUP], eyes, FRAME)
+    assert [phrases for _, phrases, _ in eyes.asked] == [(SURFACE,)]
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])

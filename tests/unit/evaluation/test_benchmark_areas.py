@@ -65,6 +65,18 @@ def test_the_top_leaves_out_what_is_low() -> None:
     assert extents(areas.on(seen, box))[0] < 110
 
 
+def test_the_top_of_a_tray_is_its_floor_too() -> None:
+    picture = picture_of([Lying("tray", "red", 120, 90, (0.2, 0.2, 0.035))])
+    rows, columns = np.nonzero(picture.identity == 2)
+    left = columns < 110
+    picture.depth[rows[left], columns[left]] += 0.03
+
+    seen = sight_of(picture)
+    tray = next(thing for thing in seen.things if thing.kind == "tray")
+
+    assert extents(areas.on_top(seen, tray)) == tray.edges
+
+
 @pytest.mark.parametrize("side", areas.SIDES)
 def test_beside_a_thing_is_free_near_and_on_that_side(sight: Sight, side: str) -> None:
     book, _ = things(sight)
