@@ -103,7 +103,7 @@ def test_it_knows_which_module_a_sentence_is_for(
         (
             "relative",
             "A left\nput your left hand to the right of the A",
-            {"x": "a.right+0.3*a.width", "y": "a.v"},
+            {"x": "a.right+0.2*a.width", "y": "a.v"},
         ),
         (
             "correct",
