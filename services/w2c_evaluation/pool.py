@@ -15,6 +15,7 @@ import msgspec
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from w2c.errors import ConfigError, W2CError
+from w2c.workers import end_with_parent
 
 R = TypeVar("R")
 
@@ -102,7 +103,7 @@ def run_all(
         MofNCompleteColumn(),
         TimeRemainingColumn(elapsed_when_finished=True),
     )
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"))
+    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=end_with_parent)
     try:
         with Progress(*columns, disable=not show) as progress:
             bar = progress.add_task(title, total=len(tasks))

@@ -12,6 +12,7 @@ from w2c.config import parse
 from w2c.errors import ProcessError, W2CError
 from w2c.extras import needs_extra
 from w2c.library import library
+from w2c.workers import end_with_parent
 from w2c_evaluation.grounding.report import EMBEDDED, format_table, make_rows, missed
 from w2c_evaluation.results import make_results, write_results
 
@@ -96,7 +97,8 @@ def _measure_alone(question: dict[str, Any]) -> Any:
     Raises:
         W2CError: it cannot be loaded, or its process was ended.
     """
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+    spawn = get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn, initializer=end_with_parent) as pool:
         try:
             return pool.submit(measure, question).result()
         except BrokenProcessPool as error:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.geometry import intrinsics_from_fov
+from w2c.workers import end_with_parent
 from w2c_sim_robot.scenes.assets import SCENES_PER_STOCK
 from w2c_sim_robot.scenes.held_out import HELD_OUT_KINDS, held_out, held_out_material
 from w2c_sim_robot.scenes.objects.catalogue import KINDS
@@ -55,7 +56,8 @@ def render(
     # A block of seeds shares one compiled model: it goes to one process.
     blocks = [list(block) for _, block in groupby(numbers, lambda n: n // SCENES_PER_STOCK)]
     # Not forked: a graphics context does not survive it.
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as workers:
+    spawn = get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=spawn, initializer=end_with_parent) as workers:
         try:
             waiting = [workers.submit(_render_block, files, block, resume) for block in blocks]
             for block in waiting:
