@@ -52,27 +52,25 @@ def test_on_a_thing_is_all_that_is_seen_of_it(sight: Sight) -> None:
     assert extents(areas.on(sight, book)) == book.edges
 
 
-def test_the_top_leaves_out_what_is_low() -> None:
-    picture = picture_of([Lying("box", "red", 120, 90, (0.2, 0.2, 0.2))])
+def sunk_on_the_left(lying: Lying, by: float) -> tuple[Sight, Thing]:
+    """Return a picture of one thing whose part left of u = 110 lies lower [m], and the thing."""
+    picture = picture_of([lying])
     rows, columns = np.nonzero(picture.identity == 2)
     left = columns < 110
-    picture.depth[rows[left], columns[left]] += 0.15
-
+    picture.depth[rows[left], columns[left]] += by
     seen = sight_of(picture)
-    box = next(thing for thing in seen.things if thing.kind == "box")
+    return seen, next(thing for thing in seen.things if thing.kind == lying.kind)
+
+
+def test_the_top_leaves_out_what_is_low() -> None:
+    seen, box = sunk_on_the_left(Lying("box", "red", 120, 90, (0.2, 0.2, 0.2)), by=0.15)
 
     assert extents(areas.on_top(seen, box))[0] == 110
     assert extents(areas.on(seen, box))[0] < 110
 
 
 def test_the_top_of_a_tray_is_its_floor_too() -> None:
-    picture = picture_of([Lying("tray", "red", 120, 90, (0.2, 0.2, 0.035))])
-    rows, columns = np.nonzero(picture.identity == 2)
-    left = columns < 110
-    picture.depth[rows[left], columns[left]] += 0.03
-
-    seen = sight_of(picture)
-    tray = next(thing for thing in seen.things if thing.kind == "tray")
+    seen, tray = sunk_on_the_left(Lying("tray", "red", 120, 90, (0.2, 0.2, 0.035)), by=0.03)
 
     assert extents(areas.on_top(seen, tray)) == tray.edges
 
