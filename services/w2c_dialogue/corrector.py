@@ -104,7 +104,7 @@ def corrected_point(
     try:
         point = evaluate_point(answer.x, answer.y, correction_symbols(scene), size)
     except UnknownSymbolError as error:
-        if error.symbol.startswith(("last", "moves")):
+        if error.symbol.startswith(("first", "last", "moves")):
             raise RefusedError(
                 f"You speak of an earlier move, and there are {len(scene.moves)}. "
                 "Say a direction, for example: a bit to the left."

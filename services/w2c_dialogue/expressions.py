@@ -3,7 +3,7 @@
     sum     = product { ("+" | "-") product }
     product = factor { ("*" | "/") factor }
     factor  = ("+" | "-") factor | "(" sum ")" | number | symbol
-    symbol  = name [ "[-" digits "]" ] [ "." name ]
+    symbol  = name [ "[-" digits "]" ] { "." name }
 
 Symbols are quantities of the scene in pixels (see `object_symbols` and `correction_symbols`). What
 a model writes is input from a stranger: length, depth and size are bounded, and every fault is a
@@ -28,7 +28,7 @@ MARGIN = 1.0
 """A clipped point stays this far inside the border of the picture [px]."""
 
 _TOKEN = re.compile(
-    r"\s*(?:(?P<number>[0-9]+(?:\.[0-9]*)?|\.[0-9]+)|(?P<symbol>[a-z]+(?:\[-[0-9]{1,3}\])?(?:\.[a-z]+)?)|(?P<sign>[-+*/()]))",
+    r"\s*(?:(?P<number>[0-9]+(?:\.[0-9]*)?|\.[0-9]+)|(?P<symbol>[a-z]+(?:\[-[0-9]{1,3}\])?(?:\.[a-z]+){0,2})|(?P<sign>[-+*/()]))",
     re.ASCII,
 )
 
@@ -94,8 +94,16 @@ def object_symbols(boxes: Sequence[Box], pixels_per_cm: float) -> dict[str, floa
 
 
 def correction_symbols(scene: CorrectionScene) -> dict[str, float]:
-    """Return the objects' symbols, `target`, `start`, `last` = `moves[-1]`, `moves[-2]` ..."""
+    """Return the objects' symbols, `target`, `start`, and the moves.
+
+    `moves[-1]` = `last`, `moves[-2]` ... and `first` are (du, dv) [px]. A `way` has no unit and the
+    length 1: `last.way` is that of the last move, `a.way` goes from the target to the object's
+    middle. It is 0 where there is none.
+    """
     symbols = object_symbols([o.box for o in scene.objects], scene.pixels_per_cm)
+    u, v = scene.target
+    for letter in LETTERS[: len(scene.objects)]:
+        symbols |= _way(letter, symbols[f"{letter}.u"] - u, symbols[f"{letter}.v"] - v)
     symbols |= {"target.u": scene.target[0], "target.v": scene.target[1]}
     symbols |= {"start.u": scene.start[0], "start.v": scene.start[1]}
     for back, move in enumerate(reversed(scene.moves), 1):
@@ -103,7 +111,15 @@ def correction_symbols(scene: CorrectionScene) -> dict[str, float]:
         symbols |= {f"moves[-{back}].{name}": value for name, value in values.items()}
         if back == 1:
             symbols |= {f"last.{name}": value for name, value in values.items()}
+            symbols |= _way("last", move.du, move.dv)
+    if scene.moves:
+        symbols |= {"first.du": scene.moves[0].du, "first.dv": scene.moves[0].dv}
     return symbols
+
+
+def _way(name: str, du: float, dv: float) -> dict[str, float]:
+    length = math.hypot(du, dv) or 1.0
+    return {f"{name}.way.u": du / length, f"{name}.way.v": dv / length}
 
 
 def _tokens(text: str) -> list[tuple[str, str]]:

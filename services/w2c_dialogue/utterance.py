@@ -7,7 +7,7 @@ prompt.
 """
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from w2c.errors import ModelError, RefusedError
@@ -17,6 +17,12 @@ MAX_CHARACTERS = 500
 LETTERS = "abc"
 """Names of objects in order of mention; no instruction needs more than three."""
 
+LONGEST_WITH_HEAD = 3
+"""Words of a phrase whose last one is its noun, most likely; longer ones end in a description"""
+
+_POINTING = frozenset({"the", "that", "this", "your", "my"})
+_NO_HEADS = frozenset({"left", "right", "one", "top", "bottom", "front", "back", "side", "it"})
+"""Words behind an article that need not mean the phrase that ends in them"""
 _OUTER = '.!?;:"()[]{}<>`*_~|\\/'
 _POSSESSIVE = ("'s", "'S", "\u2019s", "\u2019S")
 _QUOTES = str.maketrans({"\u2019": "'", "\u2018": "'", "\u201c": '"', "\u201d": '"', "`": "'"})
@@ -92,10 +98,11 @@ class Utterance:
     def with_letters(self, spans: Sequence[Span | None]) -> str:
         """Return the folded text with each phrase replaced by its capital letter: `left of the A`.
 
-        The text is in lower case, so a capital letter cannot be a word of the operator.
+        What is named again gets the same letter: `between the A and the B, nearer to the B`. The
+        text is in lower case, so a capital letter cannot be a word of the operator.
         """
         words: list[str] = []
-        starts = {
+        starts = repetitions(self.folded, spans) | {
             span[0]: (letter.upper(), span[1])
             for letter, span in zip(LETTERS, spans, strict=False)
             if span is not None
@@ -111,6 +118,52 @@ class Utterance:
                 words.append(self.folded[index - 1])
             index += 1
         return " ".join(words).rstrip(",")
+
+
+def repetitions(folded: Sequence[str], spans: Sequence[Span | None]) -> dict[int, tuple[str, int]]:
+    """Return where phrases are named again, behind all of them.
+
+    By all their words, or by the last one behind an article: `the yellow bin ... nearer the bin`.
+
+    Args:
+        folded: The words of an utterance.
+        spans: Of the phrases, in order of their letters.
+
+    Returns:
+        The first word of each repetition, counted from 1, with its letter and its last word.
+    """
+    names = {
+        letter.upper(): _bare(folded[span[0] - 1 : span[1]])
+        for letter, span in zip(LETTERS, spans, strict=False)
+        if span is not None
+    }
+    heads = [name[-1] for name in names.values()]
+    found: dict[int, tuple[str, int]] = {}
+    at = max((span[1] for span in spans if span is not None), default=len(folded))
+    while at < len(folded):
+        letter, length = _name_at(_bare(folded[at:]), names, heads, folded[at - 1])
+        if letter:
+            found[at + 1] = letter, at + length
+        at += length
+    return found
+
+
+def _name_at(
+    words: Sequence[str], names: Mapping[str, Sequence[str]], heads: Sequence[str], before: str
+) -> tuple[str, int]:
+    """Return the letter that the first of these words name, and how many; ("", 1) for none."""
+    for letter, name in names.items():
+        if words[: len(name)] == name:
+            return letter, len(name)
+    for letter, name in names.items():
+        is_head = words[0] == name[-1] and before in _POINTING and words[0] not in _NO_HEADS
+        if is_head and heads.count(words[0]) == 1 and len(name) <= LONGEST_WITH_HEAD:
+            return letter, 1
+    return "", 1
+
+
+def _bare(words: Sequence[str]) -> list[str]:
+    return [word.rstrip(",").removesuffix("'s") for word in words]
 
 
 def parse(text: str) -> Utterance:

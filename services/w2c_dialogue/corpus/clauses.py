@@ -61,6 +61,12 @@ with the numbers on, with the drawers in, with its door open, with two ears on i
 neck, with the hole through the middle, with the cloth over it, with the plants on, with the wheels
 underneath, with the pointy end, with the dog on it, with the light on
 """)
+_WHEN = names("""
+every morning, when it rains, in the evening, after dinner, on Sundays, before bed, all day, in
+winter, when guests come, for breakfast, for their coffee, at night, every time, when nobody looks,
+for the children, in the garden, at work, all the time, in a hurry, when the power fails, as
+soon as it gets dark, once a year, from time to time
+""")
 _WHO = ("you", "you", "we", "they", "people", "I")
 _ANOTHER = names(
     "other, other, other, next, last, second, first, third, middle, lower, upper, nearer"
@@ -69,6 +75,15 @@ _ANOTHER = names(
 
 def use_phrase(draw: Draw) -> str:
     """Return a name without article: `thing to water the flowers with`."""
+    name = _use(draw)
+    if draw.chance(0.12):
+        return f"{name} {draw.pick(_WHEN)}"
+    if draw.chance(0.08) and " that " in name:
+        return f"{name} and {draw.pick(_DOES)}"
+    return name
+
+
+def _use(draw: Draw) -> str:
     head = draw.pick(HEADS)
     if draw.chance(0.15):
         head = f"{draw.pick(draw.pick((COLOURS, SIZES)))} {head}"

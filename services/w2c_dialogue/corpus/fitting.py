@@ -9,8 +9,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from w2c.messages import Box
 from w2c_dialogue.corpus import locations
-from w2c_dialogue.corpus.corrections import WAYS, term
+from w2c_dialogue.corpus.measures import NUMBER_WORDS
 from w2c_dialogue.corpus.moves import STEPS
+from w2c_dialogue.corpus.steering import WAYS, term
 from w2c_dialogue.expressions import evaluate
 from w2c_dialogue.prompts.base import CorrectionScene
 from w2c_dialogue.prompts.embedded import describe_boxes
@@ -53,7 +54,7 @@ def says_number(utterance: Utterance) -> bool:
     return bool(words & (_NUMBERS | _MEASURES)) or any(c.isdigit() for word in words for c in word)
 
 
-_NUMBERS = frozenset(word for name in locations.NUMBER_WORDS for word in name.split()) - {"a", "of"}
+_NUMBERS = frozenset(word for name in NUMBER_WORDS for word in name.split()) - {"a", "of"}
 _MEASURES = frozenset(
     ("width", "breadth", "length", "finger", "finger's", "fingers", "thumb", "thumb's", "thumbs")
 )

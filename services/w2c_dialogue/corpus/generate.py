@@ -1,6 +1,6 @@
 """Lines of the corpus: a question exactly as it is asked at run time, and the right answer."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import msgspec
@@ -12,14 +12,16 @@ from w2c_dialogue.corpus.confirmations import confirmation
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.noise import disturb
+from w2c_dialogue.corpus.steering import Correction
 from w2c_dialogue.corpus.written import (
-    KIND_OF_MODULE,
     written_correction,
     written_instruction,
     written_words,
 )
+from w2c_dialogue.corpus.written_lines import KIND_OF_MODULE
 from w2c_dialogue.prompts.base import MODULES, CorrectionScene, Move, Question, SceneObject
 from w2c_dialogue.prompts.embedded import EmbeddedPrompts
+from w2c_dialogue.prompts.spans import naming_spans
 from w2c_dialogue.utterance import Mention, Utterance
 
 PROMPTS = EmbeddedPrompts(bound=False)
@@ -82,12 +84,20 @@ def _instruction(
     draw: Draw, relative: float = 0.5
 ) -> tuple[instructions.Instruction, Utterance, list[Mention]]:
     kind = "relative" if draw.chance(relative) else "absolute"
-    if draw.chance(WRITTEN_SHARE):
-        made = written_instruction(draw, kind)
-        return made, *_cut(made.draft, draw)
-    plain = draw.chance(PLAIN_SHARE)
-    made = instructions.instruction(draw, kind, plain=plain)
-    return made, *_cut(made.draft, draw, plain=plain)
+    while True:
+        if draw.chance(WRITTEN_SHARE):
+            made, plain = written_instruction(draw, kind), False
+        else:
+            plain = draw.chance(PLAIN_SHARE)
+            made = instructions.instruction(draw, kind, plain=plain)
+        utterance, mentions = _cut(made.draft, draw, plain=plain)
+        if _may_be_named(utterance, mentions):
+            return made, utterance, mentions
+
+
+def _may_be_named(utterance: Utterance, mentions: Sequence[Mention]) -> bool:
+    """Tell whether the names can be answered: without its comma one runs into what follows."""
+    return {mention.span for mention in mentions} <= set(naming_spans(utterance))
 
 
 def _select(draw: Draw) -> Example:
@@ -114,12 +124,14 @@ def _analyze(draw: Draw) -> Example:
     return example(PROMPTS.analyze(utterance), answer_text(answer))
 
 
-def _correction(draw: Draw) -> corrections.Correction:
+def _correction(draw: Draw) -> Correction:
     return written_correction(draw) if draw.chance(WRITTEN_SHARE) else corrections.correction(draw)
 
 
 def _objects(draw: Draw) -> Example:
     utterance, mentions = _cut(_correction(draw).draft, draw)
+    while not _may_be_named(utterance, mentions):
+        utterance, mentions = _cut(_correction(draw).draft, draw)
     answer = {"objects": [str(m.span) for m in mentions]}
     return example(PROMPTS.objects(utterance), answer_text(answer))
 

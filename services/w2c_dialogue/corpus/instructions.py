@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from w2c_dialogue.corpus import locations
+from w2c_dialogue.corpus import locations, relations
 from w2c_dialogue.corpus.asides import with_aside
 from w2c_dialogue.corpus.clauses import one_phrase
 from w2c_dialogue.corpus.draft import Draft
@@ -215,7 +215,7 @@ def instruction(draw: Draw, kind: str, *, plain: bool) -> Instruction:
     """
     if kind == "absolute" and not plain and draw.chance(OTHER_SHARE):
         return _other_thing(draw)
-    location = locations.absolute(draw) if kind == "absolute" else locations.relative(draw)
+    location = locations.absolute(draw) if kind == "absolute" else relations.relative(draw)
     reach = draw.chance(0.32)
     text = "{A}" if reach and kind == "absolute" else location.text
     text = _with_articles(draw, text, plain=plain)

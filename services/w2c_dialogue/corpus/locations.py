@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from w2c_dialogue.corpus.draw import Draw
-from w2c_dialogue.corpus.measures import body_length, repaired
+from w2c_dialogue.corpus.measures import body_length, distance
 from w2c_dialogue.corpus.things import meanings, names
 
 
@@ -52,14 +52,15 @@ on, on, on, on top of, on top of, onto, against, at, over, upon, in the middle o
 of, in the center of, in the centre of, on the top of, ontop of, right on, directly on, atop, to, on
 the middle of, flat on, somewhere on
 """)
-BETWEEN = names("""
-between {A} and {B}, in between {A} and {B}, in the middle of {A} and {B}, halfway between {A} and
-{B}, midway between {A} and {B}, in the space between {A} and {B}, somewhere between {A} and {B}, in
-the gap between {A} and {B}, right between {A} and {B}
-""")
 CLOSELY = names(
     "just, slightly, a bit, a little, immediately, directly, right, closely, a tiny bit"
 )
+AFTERWARDS = meanings(f"""
+{CLOSE}: close, close to it, but close, right next to it, near it, as close as you can, but close to
+it, tight up to it | {DISTANT}: far away, far off, but far from it, a long way off, well away from
+it
+""")
+"""How far, behind the name of the thing"""
 FAR = ("far", "well", "way", "a lot", "far away to the side,", "quite far")
 SIDES: dict[str, tuple[tuple[str, ...], int, int]] = {
     "left": (LEFT, -1, 0),
@@ -89,26 +90,6 @@ CORNERS = {
     **dict.fromkeys(names("bottom left, lower left, front left, near left, left front"), (-1, 1)),
     **dict.fromkeys(names("bottom right, lower right, front right, near right"), (1, 1)),
 }
-NUMBER_WORDS = dict(
-    meanings("""
-1: one | 2: two, a couple of | 3: three, a few | 4: four | 5: five | 6: six | 7: seven | 8: eight |
-9: nine | 10: ten | 11: eleven | 12: twelve | 13: thirteen | 14: fourteen | 15: fifteen |
-16: sixteen | 17: seventeen | 18: eighteen | 19: nineteen | 20: twenty | 30: thirty | 40: forty |
-50: fifty | 60: sixty | 70: seventy | 80: eighty | 90: ninety | 100: a hundred, one hundred |
-0.5: half a
-""")
-)
-SINGLE = meanings("""
-1*cm: a centimeter, a centimetre, one cm, a cm | 2.54*1*cm: an inch, one inch, a inch | 1: a pixel,
-one pixel | 0.1*1*cm: a millimeter, one millimetre | 2.54*0.5*cm: half an inch | 0.5*cm: half a
-centimeter, half a cm | 100*0.5*cm: half a meter, half a metre
-""")
-"""Lengths without a number, with their expressions."""
-REPAIRED_SHARE = 0.12
-"""How often a number is taken back for another while it is said"""
-PARTS_OF_THE_WAY = meanings("""
-0.33: one third, a third | 0.25: a quarter | 0.67: two thirds | 0.75: three quarters
-""")
 BOXES_OF_BETWEEN = {
     "A left of B": ("(a.right+b.left)/2", "(a.v+b.v)/2"),
     "A right of B": ("(a.left+b.right)/2", "(a.v+b.v)/2"),
@@ -116,6 +97,13 @@ BOXES_OF_BETWEEN = {
     "A below B": ("(a.u+b.u)/2", "(a.top+b.bottom)/2"),
 }
 """The middle of the gap, by how the boxes lie."""
+WAY_TO_B = {
+    "A left of B": (1, 0),
+    "A right of B": (-1, 0),
+    "A above B": (0, 1),
+    "A below B": (0, -1),
+}
+"""Where B lies from A, as (du, dv) in the picture"""
 
 
 def beside(letter: str, du: int, dv: int, size: str) -> tuple[str, str]:
@@ -134,35 +122,6 @@ def inside(letter: str, du: int, dv: int) -> tuple[str, str]:
     return x[du], y[dv]
 
 
-def distance(draw: Draw) -> tuple[str, str]:
-    """Return the words of a length and its expression in pixels; `cm` is the scale of the scene."""
-    if draw.chance(0.08):
-        return draw.pick(SINGLE)
-    if draw.chance(0.1):
-        return body_length(draw)
-    if draw.chance(0.35):
-        word = draw.pick(tuple(NUMBER_WORDS))
-        number = NUMBER_WORDS[word]
-    elif draw.chance(0.1):
-        number = f"{draw.below(20)}.{1 + draw.below(9)}"
-        word = number.replace(".", draw.pick((".", ".", ".", ",")))
-    else:
-        number = word = str(1 + draw.below(30) if draw.chance(0.7) else 5 * (1 + draw.below(60)))
-    if draw.chance(REPAIRED_SHARE):
-        wrong = draw.pick(tuple(NUMBER_WORDS)) if word[0].isalpha() else str(1 + draw.below(30))
-        word = repaired(wrong, word, draw)
-    unit = draw.below(10)
-    if unit < 5:
-        glued = word[0].isdigit() and draw.chance(0.3)
-        name = draw.pick(("cm", "cm", "centimeters", "centimetres", "centimeter", "cms"))
-        return (f"{word}cm" if glued else f"{word} {name}"), f"{number}*cm"
-    if unit == 5:
-        return f"{word} {draw.pick(('mm', 'millimeters', 'millimetres'))}", f"0.1*{number}*cm"
-    if unit == 6:
-        return f"{word} {draw.pick(('inches', 'inch'))}", f"2.54*{number}*cm"
-    return f"{word} {draw.pick(('pixels', 'px', 'pixel', 'pixels'))}", number
-
-
 def _side(draw: Draw) -> Location:
     phrases, du, dv = SIDES[draw.pick(tuple(SIDES))]
     roll, text = draw.uniform(), draw.pick(phrases)
@@ -171,12 +130,21 @@ def _side(draw: Draw) -> Location:
         text, size = f"{draw.pick(CLOSELY)} {text}", CLOSE
     elif roll < 0.25:
         text, size = f"{draw.pick(FAR)} {text}", DISTANT
-    elif roll < 0.4:
-        words, size = distance(draw)
-        text = f"{words} {text}"
     elif roll < 0.47:
-        words, size = body_length(draw)
-        text = f"{words} {text}"
+        words, size = distance(draw) if roll < 0.4 else body_length(draw)
+        text = draw.pick(
+            (
+                *[f"{words} {text} {{A}}"] * 4,
+                f"{text} {{A}}{draw.pick((' by', ',', ', by', ', about'))} {words}",
+                f"{text} {{A}}, {words} {draw.pick(('away', 'off', 'from it', 'away from it'))}",
+            )
+        )
+        return Location(text, *beside("a", du, dv, size))
+    elif roll < 0.53:
+        tail, size = draw.pick(AFTERWARDS)
+        return Location(f"{text} {{A}}, {tail}", *beside("a", du, dv, size))
+    elif roll < 0.56:
+        return Location(f"right next to it, {text} {{A}}", *beside("a", du, dv, CLOSE))
     return Location(f"{text} {{A}}", *beside("a", du, dv, size))
 
 
@@ -211,64 +179,33 @@ def _edge(draw: Draw) -> Location:
         words = draw.pick(("corner", "corner", "corner", "part", "quarter"))
         if name.startswith(("far ", "near ")):
             words = "corner"  # "the far left part" is all of the left
-    if draw.chance(0.2):
+    if draw.chance(0.3):
         lead = draw.pick(("on", "on", "at", "near", "towards", "over"))
-        return Location(f"{lead} {{A}}'s {name} {words}", *inside("a", du, dv))
+        text = draw.pick(
+            (
+                f"{lead} {{A}}'s {name} {words}",
+                f"{lead} {{A}}'s {name} {words}",
+                f"{{A}}, {lead} its {name} {words}",
+                f"on {{A}}, {lead} the {name} {words}",
+            )
+        )
+        return Location(text, *inside("a", du, dv))
     lead = draw.pick(
         ("on the", "at the", "on the", "near the", "the", "towards the", "close to the")
     )
-    return Location(f"{lead} {name} {words} of {{A}}", *inside("a", du, dv))
+    text = f"{lead} {name} {words} of"
+    if text in LEFT + RIGHT:
+        text = f"{lead} {name} edge of"
+    return Location(f"{text} {{A}}", *inside("a", du, dv))
 
 
-def _between(draw: Draw) -> Location:
-    text = draw.pick(BETWEEN)
-    scene = draw.pick(tuple(BOXES_OF_BETWEEN))
-    if draw.chance(0.08):
-        text = f"{text}, {draw.pick(('closer to {A}', 'nearer to {A}'))}"
-        return Location(text, "a.u+0.25*(b.u-a.u)", "a.v+0.25*(b.v-a.v)")
-    return Location(text, *BOXES_OF_BETWEEN[scene], scene)
+def absolute(draw: Draw) -> Location:
+    """Return a place on a thing."""
+    return Location(f"{draw.pick(ON)} {{A}}")
 
 
-def _two_sides(draw: Draw) -> Location:
-    across, along = draw.pick(("left", "right")), draw.pick(("behind", "front"))
-    x = beside("a", SIDES[across][1], 0, USUAL)[0]
-    if draw.chance(0.3):
-        level = draw.pick(("at the height of", "level with", "in line with"))
-        return Location(f"{draw.pick(SIDES[across][0])} {{A}}, {level} {{B}}", x, "b.v")
-    y = beside("b", 0, SIDES[along][2], USUAL)[1]
-    text = f"{draw.pick(SIDES[across][0])} {{A}} and {draw.pick(SIDES[along][0])} {{B}}"
-    return Location(text, x, y)
-
-
-def _three(draw: Draw) -> Location:
-    lead = draw.pick(("between", "in the middle of", "in between", "in the center of", "among"))
-    text = f"{lead} {{A}}, {{B}} and {{C}}"
-    return Location(text, "(a.u+b.u+c.u)/3", "(a.v+b.v+c.v)/3")
-
-
-def _along(draw: Draw) -> Location:
-    words, share = draw.pick(PARTS_OF_THE_WAY)
-    text = draw.pick(("from {A} to {B}", "between {A} and {B}"))
-    return Location(
-        f"{words} of the way {text}", f"a.u+{share}*(b.u-a.u)", f"a.v+{share}*(b.v-a.v)"
-    )
-
-
-_KINDS: tuple[tuple[float, Callable[[Draw], Location]], ...] = (
-    (0.44, _side),
-    (0.06, _diagonal),
-    (0.13, _beside),
-    (0.13, _edge),
-    (0.15, _between),
-    (0.04, _two_sides),
-    (0.03, _three),
-    (0.02, _along),
-)
-"""How often, and what."""
-
-
-def relative(draw: Draw) -> Location:
-    """Return a place that is described relative to things."""
+def of_one(draw: Draw) -> Location:
+    """Return a place beside one thing, or at an edge of it."""
     roll = draw.uniform()
     for share, make in _KINDS:
         if roll < share:
@@ -277,6 +214,10 @@ def relative(draw: Draw) -> Location:
     return _side(draw)
 
 
-def absolute(draw: Draw) -> Location:
-    """Return a place on a thing."""
-    return Location(f"{draw.pick(ON)} {{A}}")
+_KINDS: tuple[tuple[float, Callable[[Draw], Location]], ...] = (
+    (0.57, _side),
+    (0.08, _diagonal),
+    (0.17, _beside),
+    (0.18, _edge),
+)
+"""How often, and what."""

@@ -1,4 +1,4 @@
-"""Lengths that people say by their body, and numbers that they take back while they say them.
+"""Lengths as people say them: in centimetres, by their body, and with a number taken back.
 
 A body is not measured: each measure has one length, told in docs/explanation/conversation.md.
 """
@@ -6,6 +6,30 @@ A body is not measured: each measure has one length, told in docs/explanation/co
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.things import meanings, names
 
+NUMBER_WORDS = dict(
+    meanings("""
+1: one | 2: two, a couple of | 3: three, a few | 4: four | 5: five | 6: six | 7: seven | 8: eight |
+9: nine | 10: ten | 11: eleven | 12: twelve | 13: thirteen | 14: fourteen | 15: fifteen |
+16: sixteen | 17: seventeen | 18: eighteen | 19: nineteen | 20: twenty | 30: thirty | 40: forty |
+50: fifty | 60: sixty | 70: seventy | 80: eighty | 90: ninety | 100: a hundred, one hundred |
+0.5: half a
+""")
+)
+SINGLE = meanings("""
+1*cm: a centimeter, a centimetre, one cm, a cm | 2.54*1*cm: an inch, one inch, a inch | 1: a pixel,
+one pixel | 0.1*1*cm: a millimeter, one millimetre | 2.54*0.5*cm: half an inch | 0.5*cm: half a
+centimeter, half a cm | 100*0.5*cm: half a meter, half a metre
+""")
+"""Lengths without a number, with their expressions."""
+REPAIRED_SHARE = 0.12
+"""How often a number is taken back for another while it is said"""
+UNITS: tuple[tuple[int, tuple[str, ...], str], ...] = (
+    (5, ("cm", "cm", "centimeters", "centimetres", "centimeter", "cms"), "{}*cm"),
+    (1, ("mm", "millimeters", "millimetres"), "0.1*{}*cm"),
+    (1, ("inches", "inch"), "2.54*{}*cm"),
+    (3, ("pixels", "px", "pixel", "pixels"), "{}"),
+)
+"""How often, words, and the expression of so many; `cm` is the scale of the scene"""
 BODY = {
     "finger": "2*{}*cm",
     "thumb": "2.5*{}*cm",
@@ -61,3 +85,46 @@ def body_length(draw: Draw) -> tuple[str, str]:
 def repaired(wrong: str, right: str, draw: Draw) -> str:
     """Return two words of which the second is meant: `three no four`."""
     return f"{wrong} {draw.pick(_REPAIRS)} {right}".replace(" ,", ",")
+
+
+def distance(draw: Draw) -> tuple[str, str]:
+    """Return the words of a length and its expression in pixels."""
+    if draw.chance(0.08):
+        return draw.pick(SINGLE)
+    if draw.chance(0.1):
+        return body_length(draw)
+    word, size = number(draw)
+    if draw.chance(REPAIRED_SHARE):
+        wrong = draw.pick(tuple(NUMBER_WORDS)) if word[0].isalpha() else str(1 + draw.below(30))
+        word = repaired(wrong, word, draw)
+    names_of_unit, expression = unit(draw)
+    return with_unit(draw, word, names_of_unit), expression.format(size)
+
+
+def number(draw: Draw) -> tuple[str, str]:
+    """Return the words of a number, and its digits."""
+    if draw.chance(0.35):
+        word = draw.pick(tuple(NUMBER_WORDS))
+        return word, NUMBER_WORDS[word]
+    if draw.chance(0.1):
+        digits = f"{draw.below(20)}.{1 + draw.below(9)}"
+        return digits.replace(".", draw.pick((".", ".", ".", ","))), digits
+    digits = str(1 + draw.below(30) if draw.chance(0.7) else 5 * (1 + draw.below(60)))
+    return digits, digits
+
+
+def unit(draw: Draw) -> tuple[tuple[str, ...], str]:
+    """Return the names of a unit, and the expression of so many."""
+    roll = draw.below(sum(share for share, _, _ in UNITS))
+    for share, listed, expression in UNITS:
+        if roll < share:
+            return listed, expression
+        roll -= share
+    raise ValueError(roll)
+
+
+def with_unit(draw: Draw, word: str, names_of_unit: tuple[str, ...]) -> str:
+    """Return a number with its unit; digits of centimetres are written without a space, too."""
+    name = draw.pick(names_of_unit)
+    glued = name == "cm" and word[0].isdigit() and draw.chance(0.5)
+    return f"{word}{name}" if glued else f"{word} {name}"

@@ -6,8 +6,8 @@ The note becomes the expressions of the new target (`w2c_dialogue.expressions`).
 from collections.abc import Callable, Sequence
 
 from w2c.errors import ConfigError
-from w2c_dialogue.corpus.corrections import WAYS, term
 from w2c_dialogue.corpus.places import Place, length, read_place
+from w2c_dialogue.corpus.steering import WAYS, term
 
 STEPS = {"tiny": "10", "bit": "20", "step": "40", "lot": "100"}
 """Pixels of an amount in words"""
@@ -92,6 +92,34 @@ def _towards(sign: str) -> Callable[[Sequence[str]], tuple[Place, int]]:
     return read
 
 
+def _length_towards(sign: str) -> Callable[[Sequence[str]], tuple[Place, int]]:
+    def read(arguments: Sequence[str]) -> tuple[Place, int]:
+        letter, size = _letter(arguments[0]), _size(arguments[1:])
+        u, v = (f"target.{x}{sign}{size}*{letter}.way.{x}" for x in "uv")
+        return Place(u, v), 0
+
+    return read
+
+
+def _length_along_last(sign: str) -> Callable[[Sequence[str]], tuple[Place, int]]:
+    def read(arguments: Sequence[str]) -> tuple[Place, int]:
+        size = _size(arguments)
+        u, v = (f"target.{x}{sign}{size}*last.way.{x}" for x in "uv")
+        return Place(u, v), 1
+
+    return read
+
+
+def _earlier(move: str) -> Callable[[Sequence[str]], tuple[Place, int]]:
+    """Repeat a move that is not the last (1), or take it back (-1)."""
+
+    def read(arguments: Sequence[str]) -> tuple[Place, int]:
+        sign = {"1": "+", "-1": "-"}[arguments[0]]
+        return Place(f"target.u{sign}{move}.du", f"target.v{sign}{move}.dv"), 2
+
+    return read
+
+
 def _onto(arguments: Sequence[str]) -> tuple[Place, int]:
     letter = _letter(arguments[0])
     return Place(f"{letter}.u", f"{letter}.v"), 0
@@ -134,6 +162,12 @@ _READERS: dict[str, Callable[[Sequence[str]], tuple[Place, int]]] = {
     "start": lambda _: (Place("start.u", "start.v"), 1),
     "closer": _towards("+"),
     "away": _towards("-"),
+    "towards": _length_towards("+"),
+    "off": _length_towards("-"),
+    "on": _length_along_last("+"),
+    "back": _length_along_last("-"),
+    "first": _earlier("first"),
+    "before": _earlier("moves[-2]"),
     "onto": _onto,
     "place": lambda arguments: (read_place(" ".join(arguments)), 0),
     "align_u": _align("u"),

@@ -122,6 +122,30 @@ def _between(name: str, arguments: Sequence[str]) -> Place:
     return Place("", "", tuple(boxes), tuple(boxes.values()))
 
 
+def _by_another(name: str, arguments: Sequence[str]) -> Place:
+    """Take the side or the end of A where B is, or the other."""
+    if [_letter(argument) for argument in arguments] != ["a", "b"]:
+        raise ValueError(arguments)
+    sign = -1 if name.startswith("other") else 1
+    ways = [(sign * du, sign * dv) for du, dv in locations.WAY_TO_B.values()]
+    if name.endswith("end"):
+        points = tuple(locations.inside("a", du, dv) for du, dv in ways)
+    else:
+        points = tuple(locations.beside("a", du, dv, locations.USUAL) for du, dv in ways)
+    return Place("", "", tuple(locations.WAY_TO_B), points)
+
+
+def _off_both(name: str, arguments: Sequence[str]) -> Place:
+    """Go between two that stand side by side, and from there to the back or to the front."""
+    if [_letter(argument) for argument in arguments] != ["a", "b"]:
+        raise ValueError(arguments)
+    _, du, dv = locations.SIDES[name.removesuffix("both")]
+    y = locations.beside("a", du, dv, locations.USUAL)[1]
+    scenes = ("A left of B", "A right of B")
+    points = tuple((locations.BOXES_OF_BETWEEN[scene][0], y) for scene in scenes)
+    return Place("", "", scenes, points)
+
+
 def _along(name: str, arguments: Sequence[str]) -> Place:
     share = "0.25" if name == "nearer" else arguments[2]
     float(share)
@@ -159,6 +183,8 @@ _READERS: dict[str, Callable[[str, Sequence[str]], Place]] = {
     "beside": _beside,
     "edge": _edge,
     "between": _between,
+    **dict.fromkeys(("side", "otherside", "end", "otherend"), _by_another),
+    **dict.fromkeys(("behindboth", "frontboth"), _off_both),
     "nearer": _along,
     "along": _along,
     "middle": _middle,

@@ -32,8 +32,8 @@ from w2c_dialogue.utterance import Mention, Span, Utterance
 IMAGE_WIDTH = 1280.0
 MAX_EXPRESSION = 60
 REMEMBERED_MOVES = 3
-NAMED_MOVES = 8
-"""How far back a bound expression may refer: with three objects, 56 of at most 64 symbols"""
+NAMED_MOVES = 7
+"""How far back a bound expression may refer: with three objects, 63 of at most 64 symbols"""
 EXPRESSION_PATTERN = rf"^[a-z0-9.+*/()\[\]-]{{1,{MAX_EXPRESSION}}}$"
 """Grammar of the characters only; `expressions.evaluate` is the judge of the rest."""
 

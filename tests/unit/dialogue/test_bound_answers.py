@@ -64,6 +64,8 @@ def test_an_expression_has_only_what_the_scene_has() -> None:
     longest = point_schema(LONGEST, "back")
     assert fits(longest, f"target.u-moves[-{NAMED_MOVES}].du+c.width")
     assert not fits(longest, f"moves[-{NAMED_MOVES + 1}].du")
+    assert fits(longest, "target.u-2.54*12*cm*last.way.u")
+    assert fits(longest, "target.v+0.1*12*cm*c.way.v")
 
 
 def test_a_bound_expression_is_one_that_the_parser_takes() -> None:

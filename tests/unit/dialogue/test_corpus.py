@@ -12,7 +12,7 @@ import pytest
 from w2c.messages import Box
 from w2c_dialogue.__main__ import main
 from w2c_dialogue.answers import AnalysisAnswer, EffectorAnswer, ObjectsAnswer, PointAnswer, read
-from w2c_dialogue.corpus import correction_words, corrections, locations, things
+from w2c_dialogue.corpus import correction_words, corrections, locations, relations, things
 from w2c_dialogue.corpus.draw import Draw, is_held_out
 from w2c_dialogue.corpus.generate import Example, examples
 from w2c_dialogue.corpus.more_things import sounds_like_a_word
@@ -157,7 +157,7 @@ def test_beside_is_outside_the_box_on_the_side_that_is_said(side: str, du: int, 
     phrases, _, _ = locations.SIDES[side]
     draw, found = Draw(np.random.default_rng(3), held_out=False), 0
     while found < 100:
-        location = locations.relative(draw)
+        location = relations.relative(draw)
         if not any(location.text == f"{phrase} {{A}}" for phrase in phrases):
             continue
         found += 1

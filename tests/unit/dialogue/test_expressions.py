@@ -153,5 +153,32 @@ def test_symbols_of_a_scene() -> None:
     assert symbols["last.du"] == symbols["moves[-1].du"] == 40
     assert symbols["moves[-2].du"] == 10
     assert symbols["last.size"] == pytest.approx(math.hypot(40, 20))
+    assert (symbols["first.du"], symbols["first.dv"]) == (10, 0)
     assert symbols["cm"] == 12
     assert "b.left" not in object_symbols([box], 10.0)
+
+
+def test_a_way_has_the_length_one_and_points_at_the_thing() -> None:
+    box = Box(left=30, top=20, right=50, bottom=60, score=1.0)
+    scene = CorrectionScene(
+        target=(10, 80),
+        start=(10, 80),
+        moves=(Move(-3, 4),),
+        instructions=("x",),
+        objects=(SceneObject("cup", box),),
+        pixels_per_cm=10.0,
+    )
+    symbols = correction_symbols(scene)
+
+    assert (symbols["a.way.u"], symbols["a.way.v"]) == pytest.approx((0.6, -0.8))
+    assert (symbols["last.way.u"], symbols["last.way.v"]) == pytest.approx((-0.6, 0.8))
+    assert evaluate("target.u+2*cm*a.way.u", symbols) == pytest.approx(10 + 12)
+
+
+def test_where_there_is_no_way_it_is_zero() -> None:
+    box = Box(left=30, top=20, right=50, bottom=60, score=1.0)
+    scene = CorrectionScene((40, 40), (40, 40), (Move(0, 0),), ("x",), (SceneObject("c", box),), 10)
+    symbols = correction_symbols(scene)
+
+    assert symbols["a.way.u"] == symbols["a.way.v"] == 0
+    assert symbols["last.way.u"] == symbols["last.way.v"] == 0

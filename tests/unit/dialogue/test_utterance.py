@@ -21,6 +21,24 @@ def test_phrases_become_letters_that_no_word_can_be() -> None:
     assert text == "between the A, and a B's lid b"
 
 
+@pytest.mark.parametrize(
+    ("text", "spans", "seen"),
+    [
+        ("a cup or a book, nearer the book", [(2, 2), (5, 5)], "a A or a B, nearer the B"),
+        ("left of the red bin, on the bin's side", [(4, 5)], "left of the A, on the A's side"),
+        ("the red bin or the blue bin, the bin", [(2, 3), (6, 7)], "the A or the B, the bin"),
+        ("on the mug on the left, to the left", [(3, 6)], "on the A, to the left"),
+        ("on the thing to put pans on, pans on", [(3, 7)], "on the A, pans on"),
+        ("by the red bin, bin it", [(3, 4)], "by the A, bin it"),
+        ("the bin, left of the bin", [(6, 6)], "the bin, left of the A"),
+    ],
+)  # fmt: skip
+def test_what_is_named_again_has_the_same_letter(
+    text: str, spans: list[tuple[int, int]], seen: str
+) -> None:
+    assert parse(text).with_letters([Span(*span) for span in spans]) == seen
+
+
 def test_a_possessive_is_no_part_of_the_phrase() -> None:
     assert parse("the book's edge").phrase(Span(2, 2)) == "book"
 

@@ -7,9 +7,9 @@ import pytest
 
 from w2c.errors import ConfigError
 from w2c.messages import Box
-from w2c_dialogue.corpus import written
+from w2c_dialogue.corpus import written, written_lines
 from w2c_dialogue.corpus.draw import Draw, is_held_out
-from w2c_dialogue.corpus.locations import NUMBER_WORDS
+from w2c_dialogue.corpus.measures import NUMBER_WORDS
 from w2c_dialogue.corpus.moves import read_move
 from w2c_dialogue.corpus.places import read_place
 from w2c_dialogue.expressions import correction_symbols, evaluate, object_symbols
@@ -47,8 +47,8 @@ def moved(note: str) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("kind", ["instructions", "corrections", "confirmations", "dialogues"])
-def test_every_written_line_is_read(kind: written.Kind) -> None:
-    lines = written.lines(kind)
+def test_every_written_line_is_read(kind: written_lines.Kind) -> None:
+    lines = written_lines.lines(kind)
 
     assert kind == "dialogues" or len(lines) > 5
     assert len({(line.meaning, line.text) for line in lines}) == len(lines)
@@ -57,7 +57,7 @@ def test_every_written_line_is_read(kind: written.Kind) -> None:
 def test_the_things_of_written_lines_may_be_answered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(written, "KEPT_SHARE", 1.0)
     source = draw()
-    for line in (*written.lines("instructions"), *written.lines("corrections")):
+    for line in (*written_lines.lines("instructions"), *written_lines.lines("corrections")):
         if not (line.meaning and "[" in line.text):
             continue  # of a turn of a dialogue only its module is asked
         make = written.instruction_of if line.kind == "instructions" else written.correction_of
@@ -125,7 +125,7 @@ def test_corrections_go_where_they_say(note: str, point: tuple[float, float]) ->
 
 
 def test_left_and_right_are_exchanged_in_words_and_meaning_together() -> None:
-    (line,) = written.read_line(
+    (line,) = written_lines.read_line(
         "instructions",
         "edge(A,topleft) right_hand contact | Right hand, far left of the [bright box]",
     )
@@ -148,13 +148,15 @@ def test_left_and_right_are_exchanged_in_words_and_meaning_together() -> None:
 def test_a_right_that_is_no_side_stays(text: str) -> None:
     if text.startswith("!"):
         text = "! absolute right_hand contact | that's right, the [cup], right hand"
-    (line,) = written.read_line("instructions", text)
+    (line,) = written_lines.read_line("instructions", text)
 
     assert not line.mirrors
 
 
 def test_numbers_change_in_words_and_meaning_together() -> None:
-    (line,) = written.read_line("corrections", "left {3}cm + up {two}cm | {3} cm left, {two} cm up")
+    (line,) = written_lines.read_line(
+        "corrections", "left {3}cm + up {two}cm | {3} cm left, {two} cm up"
+    )
     varied = [written.correction_of(line, draw(seed)) for seed in range(30)]
     numbers = {re.split(r"[-+*]", made.x)[1] for made in varied}
 
@@ -166,7 +168,7 @@ def test_numbers_change_in_words_and_meaning_together() -> None:
 
 
 def test_things_are_replaced_and_keep_their_letters() -> None:
-    (line,) = written.read_line(
+    (line,) = written_lines.read_line(
         "instructions",
         "between(A,B) left_hand contact | left hand between the [fork] and the [jar]'s lid",
     )
@@ -183,7 +185,7 @@ def test_things_are_replaced_and_keep_their_letters() -> None:
 
 def test_every_other_drawing_of_a_line_keeps_the_things_its_author_named() -> None:
     text = "lean on the [pew with the split armrest] by the [font]"
-    (line,) = written.read_line("instructions", f"between(A,B) left_hand contact | {text}")
+    (line,) = written_lines.read_line("instructions", f"between(A,B) left_hand contact | {text}")
     source = draw()
     drawn = [" ".join(written.instruction_of(line, source).draft.words) for _ in range(400)]
 
@@ -191,13 +193,13 @@ def test_every_other_drawing_of_a_line_keeps_the_things_its_author_named() -> No
 
 
 def test_a_thing_that_another_author_named_may_stand_in_a_line() -> None:
-    (line,) = written.read_line("corrections", "onto A | on the [vaulting horse]")
+    (line,) = written_lines.read_line("corrections", "onto A | on the [vaulting horse]")
     source = draw()
     drawn = [" ".join(written.correction_of(line, source).draft.words[2:]) for _ in range(300)]
     of_training = {
         name
         for kind in ("instructions", "corrections", "confirmations", "dialogues")
-        for other in written.lines(kind)
+        for other in written_lines.lines(kind)
         if not is_held_out(other)
         for name in re.findall(r"\[([^\]]+)\]", other.text)
     }
@@ -209,7 +211,7 @@ def test_a_thing_that_another_author_named_may_stand_in_a_line() -> None:
 
 
 def test_the_turns_of_a_dialogue_are_lines_of_their_kinds() -> None:
-    turns = list(written.read_line("dialogues", "p c y | the [cup] / left / ok"))
+    turns = list(written_lines.read_line("dialogues", "p c y | the [cup] / left / ok"))
 
     assert [(turn.kind, turn.text) for turn in turns] == [
         ("instructions", "the [cup]"),
@@ -240,6 +242,14 @@ def test_the_turns_of_a_dialogue_are_lines_of_their_kinds() -> None:
         ("dialogues", "p x | lean on the [table] / left"),
     ],
 )
-def test_a_line_that_means_nothing_is_refused(kind: written.Kind, text: str) -> None:
+def test_a_line_that_means_nothing_is_refused(kind: written_lines.Kind, text: str) -> None:
     with pytest.raises(ConfigError):
-        list(written.read_line(kind, text))
+        list(written_lines.read_line(kind, text))
+
+
+def test_what_is_named_twice_keeps_its_name() -> None:
+    text = "between the [flour bin] and the [scales], but nearer the scales, right hand"
+    (line,) = written_lines.read_line("instructions", f"!nearer(B,A) right_hand contact | {text}")
+    for seed in range(30):
+        said = " ".join(written.instruction_of(line, draw(seed)).draft.words)
+        assert said == text.replace("[", "").replace("]", "")
