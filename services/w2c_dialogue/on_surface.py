@@ -39,25 +39,18 @@ another place"""
 
 
 def look_for_surface(grounding: Grounding, frame: Frame) -> PhraseEvidence | None:
-    """Return what is seen of surfaces that carry things; None where the model sees none.
-
-    A model that does not answer sees none: the place can be shown all the same, and corrected.
-    """
+    """Return what is seen of surfaces that carry things; None: of none. Raises CallError."""
     seen = _look(grounding, frame, [SURFACE])
     return seen[0] if len(seen) == 1 else None
 
 
 def look_for_things(grounding: Grounding, frame: Frame) -> list[PhraseEvidence]:
-    """Return what is seen of all things, whatever they are; nothing from a silent model."""
+    """Return what is seen of all things, whatever they are. Raises CallError."""
     return _look(grounding, frame, THINGS)
 
 
 def _look(grounding: Grounding, frame: Frame, phrases: Sequence[str]) -> list[PhraseEvidence]:
-    try:
-        seen = grounding.ground(frame, phrases, "heatmaps")
-    except CallError:
-        return []
-    return [one for one in seen if one.found]
+    return [one for one in grounding.ground(frame, phrases, "heatmaps") if one.found]
 
 
 def onto_surface(
@@ -66,7 +59,8 @@ def onto_surface(
     """Return the place on the surface that is nearest to a point beside things.
 
     A point on one of the things stays, without a look at the picture; so does one with no surface
-    near it.
+    near it, and one of which a silent model says nothing: it can be shown all the same, and
+    corrected.
 
     Args:
         point: In the picture [px].
@@ -76,7 +70,10 @@ def onto_surface(
     """
     if not objects or any(inside((point.u, point.v), item.box) for item in objects):
         return point
-    free = _free_places(grounding, frame)
+    try:
+        free = _free_places(grounding, frame)
+    except CallError:
+        return point
     if free is None or not free.any():
         return point
     size = frame.width, frame.height
@@ -93,7 +90,11 @@ def onto_surface(
 
 
 def _free_places(grounding: Grounding, frame: Frame) -> npt.NDArray[np.bool_] | None:
-    """Return the cells (h, w) where nothing stands, on surfaces if there are any; None: unknown."""
+    """Return the cells (h, w) where nothing stands, on surfaces if there are any; None: unknown.
+
+    Raises:
+        CallError: the model does not answer. It is not asked again.
+    """
     surface = look_for_surface(grounding, frame)
     if surface is not None:
         return None if surface.heatmap is None else _inner(_hot(surface.heatmap))

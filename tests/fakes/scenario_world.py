@@ -357,9 +357,12 @@ class FakeProduct:
 class AskingProduct(FakeProduct):
     """Asks which of two things a `Place ...` means, and what the first correction is."""
 
-    def __init__(self, hub: InProcessHub, *, among: Sequence[Thing] = THINGS) -> None:
-        """Serve; `among` are the things that it hesitates between."""
+    def __init__(
+        self, hub: InProcessHub, *, among: Sequence[Thing] = THINGS, late: int = 0
+    ) -> None:
+        """Serve; `among` are the things that it hesitates between, the first answers are `late`."""
         super().__init__(hub)
+        self._late = late
         self.heard: list[str] = []
         self._among = among
         self._held: SayRequest | None = None
@@ -367,6 +370,9 @@ class AskingProduct(FakeProduct):
 
     def _say(self, request: SayRequest, context: CallContext) -> Turn:
         self.heard.append(request.text)
+        if len(self.heard) <= self._late:
+            reply = "The vision model did not answer in time (5 s). Please say it again."
+            return self._turn(request.text, "none", reply=reply, ok=False)
         if self._held is not None and request.text in ("left", "right", "new place", "change"):
             held, self._held = self._held, None
             return super()._say(held, context)

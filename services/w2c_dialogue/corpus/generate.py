@@ -27,14 +27,15 @@ from w2c_dialogue.utterance import Mention, Utterance
 PROMPTS = EmbeddedPrompts(bound=False)
 """The same questions; the schemas of bound answers would take most of the time."""
 SHARES = (
-    ("select", 0.13),
-    ("analyze", 0.34),
-    ("objects", 0.12),
-    ("relative", 0.13),
-    ("correct", 0.2),
+    ("select", 0.12),
+    ("analyze", 0.30),
+    ("objects", 0.07),
+    ("relative", 0.16),
+    ("correct", 0.27),
     ("effector", 0.08),
 )
-"""How often each task; pointing at words is the hardest to learn, choosing the easiest."""
+"""How often each task; pointing at words and binding amounts are the hardest, choosing the easiest.
+"""
 PLAIN_SHARE = 0.45
 """How many instructions are in few words and without slips."""
 WRITTEN_SHARE = 0.5

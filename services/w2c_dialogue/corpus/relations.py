@@ -83,11 +83,11 @@ def _between(draw: Draw) -> Location:
     text = draw.pick(BETWEEN)
     scene = draw.pick(tuple(BOXES_OF_BETWEEN))
     roll = draw.uniform()
-    if roll < 0.25:
+    if roll < 0.35:
         letter, share = draw.pick((("A", "0.25"), ("B", "0.75")))
         text = f"{text}{draw.pick(BUT)}{draw.pick(NEARER)} {{{letter}}}"
         return Location(text, f"a.u+{share}*(b.u-a.u)", f"a.v+{share}*(b.v-a.v)")
-    if roll < 0.37:
+    if roll < 0.5:
         return _between_and_off(draw, text)
     return Location(text, *BOXES_OF_BETWEEN[scene], scene)
 
@@ -178,11 +178,11 @@ def _along(draw: Draw) -> Location:
 
 
 _KINDS: tuple[tuple[float, Callable[[Draw], Location]], ...] = (
-    (0.58, of_one),
-    (0.18, _between),
-    (0.07, _side_by_another),
-    (0.05, _end_by_another),
-    (0.03, _two_lengths),
+    (0.40, of_one),
+    (0.24, _between),
+    (0.12, _side_by_another),
+    (0.08, _end_by_another),
+    (0.07, _two_lengths),
     (0.04, _two_sides),
     (0.03, _three),
     (0.02, _along),

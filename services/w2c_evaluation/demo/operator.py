@@ -28,6 +28,8 @@ from w2c_evaluation.scenarios.answering import MOST_QUESTIONS, read_question
 FINAL_STATES = {"loaded", "reached", "unreachable", "released", "aborted"}
 END_EFFECTORS = ("left_foot", "right_foot", "left_hand", "right_hand")
 MOTION_PATIENCE_S = 180.0
+MOST_REPETITIONS = 2
+"""Of a line that the robot asks for again: a service was late, as on a crowded machine"""
 REACH_STANDOFF_M = 0.02
 """Off the surface is where a reaching hand shall come, along the normal"""
 SETTLE_S = 3.0
@@ -50,6 +52,11 @@ class LineResult:
     """Between the hand's true position and where it should be"""
     force_n: float = float("nan")
     """What the environment truly exerts on the hand, along the surface normal"""
+
+
+def wants_it_again(turn: Turn) -> bool:
+    """Tell whether the answer is to say the same once more, as where a service was late."""
+    return not turn.ok and any(words in turn.reply for words in ("onfirm again", "say it again"))
 
 
 class Operator:
@@ -89,6 +96,10 @@ class Operator:
     def perform(self, line: Line) -> LineResult:
         """Say a line and wait for its end. Raises ScenarioError."""
         turn = self._say(line.text, line)
+        for _ in range(MOST_REPETITIONS):
+            if not wants_it_again(turn):
+                break
+            turn = self._say(line.text, line)
         if turn.options and line.again:
             turn = self._say(line.again, line)
         if not turn.ok:

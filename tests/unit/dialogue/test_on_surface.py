@@ -185,14 +185,24 @@ def test_surfaces_are_asked_for_as_a_heatmap() -> None:
     assert eyes.asked == [(0, (SURFACE,), "heatmaps")]
 
 
-def test_where_none_is_seen_or_nobody_answers_nothing_is_known() -> None:
+def test_where_none_is_seen_nothing_is_known() -> None:
     assert look_for_surface(KnownThings(), FRAME) is None
+
+
+def test_a_model_that_does_not_answer_is_asked_once_and_the_place_stays() -> None:
     eyes = Eyes(table(CUP.box, PLATE.box))
     eyes.error = DeadlineError("no answer")
-    assert look_for_surface(eyes, FRAME) is None
+    point = at(450.0, 190.0)
+
+    assert onto_surface(point, [CUP], eyes, FRAME) is point
+    assert eyes.asked == [(0, (SURFACE,), "heatmaps")]
+
+
+def test_an_error_that_is_no_failed_call_is_not_hidden() -> None:
+    eyes = Eyes(table(CUP.box, PLATE.box))
     eyes.error = ConfigError("no failed call")
     with pytest.raises(ConfigError):
-        look_for_surface(eyes, FRAME)
+        onto_surface(at(450.0, 190.0), [CUP], eyes, FRAME)
 
 
 @pytest.mark.parametrize(("away", "taken"), [("30", False), ("60", True)])

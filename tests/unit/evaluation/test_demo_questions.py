@@ -7,7 +7,7 @@ import pytest
 
 from fakes.scenario_world import TABLE_M, THINGS, AskingProduct, Thing
 from w2c.bus.inprocess import InProcessHub
-from w2c_evaluation.demo.operator import Operator, ScenarioError
+from w2c_evaluation.demo.operator import MOST_REPETITIONS, Operator, ScenarioError
 from w2c_evaluation.demo.scenario import SCENARIO_A, Line
 
 PLACES = {thing.name: np.array([*thing.centre, TABLE_M]) for thing in THINGS}
@@ -16,10 +16,10 @@ NOT_ASKED_ABOUT: Any = None
 """The robot's description"""
 
 
-def say(lines: tuple[Line, ...], among: tuple[Thing, ...] = THINGS) -> list[str]:
+def say(lines: tuple[Line, ...], among: tuple[Thing, ...] = THINGS, *, late: int = 0) -> list[str]:
     """Return what a product heard that asks; it hesitates between these things."""
     hub = InProcessHub()
-    product = AskingProduct(hub, among=among)
+    product = AskingProduct(hub, among=among, late=late)
     with product:
         operator = Operator(hub.connect("evaluation"), NOT_ASKED_ABOUT, PLACES)
         operator.wait_until_it_stands(5.0)
@@ -42,3 +42,13 @@ def test_a_yes_that_is_asked_about_ends_the_demo() -> None:
     place, _, perfect = SCENARIO_A[:3]
     with pytest.raises(ScenarioError, match="perfect"):
         say((place, perfect))
+
+
+def test_a_line_that_came_too_late_is_said_again() -> None:
+    place = SCENARIO_A[0]
+    assert say((place,), late=2) == [place.text] * 3 + ["left"]
+
+
+def test_a_service_that_is_always_late_ends_the_demo() -> None:
+    with pytest.raises(ScenarioError, match="did not answer in time"):
+        say(SCENARIO_A[:1], late=MOST_REPETITIONS + 1)
