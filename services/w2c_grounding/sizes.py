@@ -2,16 +2,18 @@
 
 How large a thing is, no heatmap says by itself: "the small mug" is the smaller one of those that
 are there. What counts is the area in the picture, less where the picture is nearer; of two alike,
-which one is meant stays open.
+which one is meant stays open. A word of size says that there are several: where two that touch are
+one region, it is parted.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
 
+import cv2
 import numpy as np
 
-from w2c_grounding.evidence import REGION_FRACTION, Region, find
+from w2c_grounding.evidence import REGION_FRACTION, Mask, Region, find, regions_of
 from w2c_grounding.family import ContextT, Evidence, Family, Heatmap, RgbImage, ScoredBox
 from w2c_grounding.wording import FUNCTION_WORDS
 
@@ -37,6 +39,12 @@ NEARER = 0.6
 """How much longer a thing is at the lower edge of the picture than at the upper one, as a share of
 its length in the middle: the camera looks down, and what is lower is nearer. Of 1,338 pairs of
 training, true areas alone tell large from small in 85 %, with this in 89 %"""
+LEVELS = (0.5, 0.8, 0.95)
+"""Shares of the peak at which things that touch come apart, where they are one at the usual edge"""
+CUT_OFF = 1.5
+"""How much larger than it looks a thing may be that the border of the picture cuts off. Of 352
+phrases of training (seeds 62000 to 62319) 0.77 were right where such a thing was never the small
+one, and touching things were one; so 0.82"""
 FADED = 0.9
 """Heat of all else, at most, over that at the edge of the chosen one: no region of its own"""
 
@@ -80,30 +88,67 @@ def compared(
     finding = find(heatmap, OTHERS * threshold, boxes=evidence.boxes, edge=edge)
     if finding.score < threshold:
         return evidence
-    regions = finding.regions
-    pixels = {number: int(np.count_nonzero(one.mask)) for number, one in enumerate(regions)}
-    least = max(LEAST_AREA * heatmap.size, LEAST_SHARE * max(pixels.values(), default=0))
-    areas = {
-        number: pixels[number] / _length_at(one, len(heatmap)) ** 2
-        for number, one in enumerate(regions)
-        if pixels[number] >= least
-    }
-    order = sorted(areas, key=areas.__getitem__, reverse=large)
-    cut_off = {number for number in areas if _cut_off(regions[number], heatmap)}
-    if not large:
-        # What the border cuts off is larger than it looks.
-        order.sort(key=cut_off.__contains__)
-    if len(order) < 2:
+    regions = _large_enough(finding.regions, heatmap.size)
+    if len(regions) < 2 and evidence.boxes is None:
+        regions = _apart(heatmap, OTHERS * threshold, edge)
+    if len(regions) < 2:
         return evidence
-    first, second = order[:2]
-    if (first in cut_off) == (second in cut_off) and _alike(areas[first], areas[second]):
+    areas = [_area(one, heatmap, large=large) for one in regions]
+    first, second = sorted(range(len(regions)), key=areas.__getitem__, reverse=large)[:2]
+    if _alike(areas[first], areas[second]):
         return evidence
-    chosen = regions[order[0]]
+    chosen = regions[first]
     alone = _alone(heatmap, chosen, edge)
     # That it fits was decided above; the little more is for rounding.
     surer = max(1.0, (threshold + 1e-4) / chosen.score)
     boxes = None if evidence.boxes is None else (_box(replace(chosen, score=surer * chosen.score)),)
     return replace(evidence, heatmap=np.minimum(np.float32(surer) * alone, 1.0), boxes=boxes)
+
+
+def _large_enough(regions: Sequence[Region], pixels: int) -> list[Region]:
+    """Return the regions that are no stain, and no piece of something."""
+    largest = max((int(np.count_nonzero(one.mask)) for one in regions), default=0)
+    least = max(LEAST_AREA * pixels, LEAST_SHARE * largest)
+    return [one for one in regions if np.count_nonzero(one.mask) >= least]
+
+
+def _apart(heatmap: Heatmap, threshold: float, edge: float) -> list[Region]:
+    """Return the things that touch, and are one region, at the lowest level that tells them apart.
+
+    What lies between two of them goes to the nearest. Where no level does, nothing is returned.
+    """
+    for level in LEVELS:
+        cores = _large_enough(regions_of(heatmap, threshold, level), heatmap.size)
+        if level > edge and len(cores) >= 2:
+            return _grown(cores, heatmap >= edge * float(heatmap.max()))
+    return []
+
+
+def _grown(cores: Sequence[Region], mask: Mask) -> list[Region]:
+    """Return regions with all pixels of a mask (h, w) that are nearest to their cores."""
+    outside = np.ones(mask.shape, np.uint8)
+    for core in cores:
+        outside[core.top : core.bottom, core.left : core.right][core.mask] = 0
+    _, nearest = cv2.distanceTransformWithLabels(
+        outside, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_CCOMP
+    )
+    grown = []
+    for core in cores:
+        label = nearest[core.top : core.bottom, core.left : core.right][core.mask][0]
+        mine = mask & (nearest == label)
+        left, top, width, height = cv2.boundingRect(mine.astype(np.uint8))
+        window = mine[top : top + height, left : left + width]
+        grown.append(Region(left, top, left + width, top + height, core.score, window))
+    return grown
+
+
+def _area(region: Region, heatmap: Heatmap, *, large: bool) -> float:
+    """Return how large a thing is, in pixels of the middle of the picture.
+
+    For who looks for a small one, what the border cuts off may be larger than it looks.
+    """
+    area = np.count_nonzero(region.mask) / _length_at(region, len(heatmap)) ** 2
+    return area * CUT_OFF if not large and _cut_off(region, heatmap) else area
 
 
 def _length_at(region: Region, height: int) -> float:

@@ -155,12 +155,46 @@ def test_a_model_is_asked_for_the_rest() -> None:
     assert len(find(large.heatmap, THRESHOLD).regions) == 1
 
 
-def test_what_the_border_cuts_off_is_not_taken_for_the_small_one() -> None:
-    cut_off, whole = (0, 50, 20, 0.9), (100, 100, 40, 0.9)
-    small = compared(Evidence(heat(cut_off, whole)), THRESHOLD, large=False)
-    assert peak_point(small.heatmap)[0] >= 100
-    # Nor need it be smaller where both are cut off.
-    both = compared(Evidence(heat(cut_off, (0, 100, 40, 0.9))), THRESHOLD, large=False)
-    assert peak_point(both.heatmap)[1] < 70
-    large = compared(Evidence(heat(cut_off, whole)), THRESHOLD, large=True)
-    assert peak_point(large.heatmap)[0] >= 100
+WHOLE = (100, 80, 40, 0.9)
+
+
+@pytest.mark.parametrize(("side", "large", "is_cut_off"), [
+    pytest.param(36, False, False, id="it may be larger than it looks"),
+    pytest.param(25, False, True, id="so much larger it is not"),
+    pytest.param(36, True, False, id="what shows is no larger"),
+    pytest.param(50, True, True, id="what shows is larger already"),
+])  # fmt: skip
+def test_what_the_border_cuts_off_may_be_larger_than_it_looks(
+    side: int, large: bool, is_cut_off: bool
+) -> None:
+    cut_off = (0, 100 - side // 2, side, 0.9)
+    chosen = compared(Evidence(heat(cut_off, WHOLE)), THRESHOLD, large=large)
+    assert (peak_point(chosen.heatmap)[0] < 100) == is_cut_off
+
+
+def test_both_may_be_cut_off() -> None:
+    cut_off = (0, 50, 20, 0.9), (0, 100, 40, 0.9)
+    small = compared(Evidence(heat(*cut_off)), THRESHOLD, large=False)
+    assert peak_point(small.heatmap)[1] < 70
+
+
+BRIDGE = (90, 100, 10, 0.6)
+
+
+@pytest.mark.parametrize(("large", "left", "right"), [(True, 30, 95), (False, 95, 130)])
+def test_two_that_touch_are_parted_between_them(large: bool, left: int, right: int) -> None:
+    touching = heat((30, 70, 60, 0.9), BRIDGE, (100, 90, 30, 0.95))
+    chosen = compared(Evidence(touching), THRESHOLD, large=large)
+    (region,) = find(chosen.heatmap, THRESHOLD).regions
+    assert (region.left, region.right) == (left, right)
+
+
+def test_a_thing_alone_is_not_parted_into_pieces() -> None:
+    speckled = Evidence(heat((30, 70, 60, 0.8), (32, 72, 4, 0.9), (80, 120, 4, 0.9)))
+    assert compared(speckled, THRESHOLD, large=False) is speckled
+
+
+def test_two_in_one_box_of_a_detector_stay_one() -> None:
+    touching = heat((30, 70, 60, 0.9), BRIDGE, (100, 90, 30, 0.95))
+    evidence = Evidence(touching, (ScoredBox(30, 70, 130, 130, 0.9),))
+    assert compared(evidence, THRESHOLD, large=False) is evidence
