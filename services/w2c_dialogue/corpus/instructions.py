@@ -7,6 +7,7 @@ from w2c_dialogue.corpus.asides import with_aside
 from w2c_dialogue.corpus.clauses import one_phrase
 from w2c_dialogue.corpus.draft import Draft
 from w2c_dialogue.corpus.draw import Draw
+from w2c_dialogue.corpus.limbs import WITH, by_the_other, limb_phrase
 from w2c_dialogue.corpus.phrases import article, phrase, place, plain_phrase
 from w2c_dialogue.corpus.things import names
 
@@ -38,41 +39,6 @@ touch the place
 """)
 LINKS = ("", "", "goes", "should be", "should go", "must be", "down")
 CONTACTS = names("contact, support contact, support, a contact, support point, contact point")
-ANY_HAND = names("""
-your hand, a hand, the hand, one hand, hand, one of your hands, a palm, your palm, an arm, your
-arm, either hand, any hand, some hand, your fist
-""")
-HANDS = (
-    "hand",
-    "hand",
-    "hand",
-    "hand",
-    "hand",
-    "palm",
-    "arm",
-    "fist",
-    "wrist",
-    "fingers",
-    "gripper",
-    "limb",
-)
-FEET = ("foot", "foot", "foot", "sole", "leg", "shoe", "heel", "boot", "toes")
-WITH = ("with", "with", "using", "with", "by using", "use", "via", "w", "w/")
-SHORT_LIMBS = names("""
-{s} {part}, {s} {part}, ur {s} {part}, {s}{p}, {s}{p}, {s}. {part}, {s}-{part}, your {s} {part}, the
-{s} {part}
-""")
-REPAIRED_LIMBS = names(
-    """
-{other} no {side} {part} | your {other}, no, your {side} {part} | {other} no sorry {side} {part} |
-{other} {part}, sorry, {side} {part} | the {other}, I mean the {side} {part} | not the {other}, the
-{side} {part} | {other} wait {side} {part} | not the {other} {part} the {side} one | not the
-{other}, the other {part} | not your {other} {part}, the other one | your {other} or rather {side}
-{part} | {other} er {side} {part} | {side} {wrong}, no, {side} {part} | {side} {wrong} sorry {part}
-""",
-    "|",
-)
-"""`side` and `part` are meant, `other` and `wrong` are not"""
 LEADS = names("""
 please, can you, could you, could you please, can you please, I want you to, I need you to, I
 would like you to, I'd like you to, let's, you should, go ahead and, robot, talos, hey robot, ok
@@ -110,6 +76,25 @@ nope, {A} | the {A} instead | no no, the {A} please | rather the {A} | the {A}, 
 """A new target in place of the one that is shown"""
 
 
+BARE_SHARE = 0.06
+INSTEAD_SHARE = 0.05
+INSTEAD = names(
+    """
+{told} instead of the {n} | {told}, not the {n} | not the {n}, {told} | forget the {n}, {told} |
+{told} and not the {n} | leave the {n}, {told} | never mind the {n}, {told} | {told} rather than the
+{n} | no, not the {n}, {told} | the {n} is no good, {told} | {told} | i said {told}, not the {n}
+""",
+    "|",
+)
+"""`n` is a thing that is not meant"""
+STANDS_SHARE = 0.06
+STANDS = names("""
+that is lying on, that is standing on, standing next to, lying on, that stands beside, which lies
+under, sitting on, that is leaning against, I left on, that you find on, hanging by, that hangs over
+""")
+"""Where a thing is that is meant: no part of its name"""
+
+
 @dataclass(frozen=True)
 class Instruction:
     """A first instruction with everything that is to be understood from it."""
@@ -123,35 +108,6 @@ class Instruction:
     task: str
 
 
-def _short_limb(draw: Draw, *, feet: bool) -> tuple[str, str]:
-    """Return an end effector as thumbs type it, or corrected while it is said, and its name."""
-    side, other = ("left", "right") if draw.chance(0.5) else ("right", "left")
-    part, wrong = ("foot", "hand") if feet and draw.chance(0.25) else ("hand", "foot")
-    template = draw.pick(draw.pick((SHORT_LIMBS, REPAIRED_LIMBS)))
-    said = template.format(s=side[0], p=part[0], side=side, other=other, part=part, wrong=wrong)
-    return said, f"{side}_{part}"
-
-
-def _limb(draw: Draw, *, feet: bool = True) -> tuple[str, str]:
-    """Return the words for an end effector and its name."""
-    roll = draw.uniform()
-    if roll < 0.12:
-        return draw.pick(ANY_HAND), "unspecified"
-    if draw.chance(0.08):
-        return _short_limb(draw, feet=feet)
-    side = draw.pick(("left", "right"))
-    if roll < 0.82:
-        part, name = draw.pick(HANDS), "hand"
-    elif roll < 0.86 or not feet:
-        return draw.pick((f"your {side}", f"the {side} one", f"{side}")), f"{side}_hand"
-    else:
-        part, name = draw.pick(FEET), "foot"
-    owner = draw.pick(("your", "your", "your", "the", "", "its", "ur"))
-    if draw.chance(0.03):
-        return f"the {part} on the {side}", f"{side}_{name}"
-    return f"{owner} {side} {part}".strip(), f"{side}_{name}"
-
-
 def _with_articles(draw: Draw, text: str, *, plain: bool) -> str:
     """Put an article in front of each object, and now and then where it stands behind."""
     for letter in "ABC":
@@ -163,8 +119,12 @@ def _with_articles(draw: Draw, text: str, *, plain: bool) -> str:
 
 
 def _contact(draw: Draw, location: str) -> tuple[str, str]:
-    """Return a template of an instruction to lean, and the end effector."""
-    limb, name = _limb(draw)
+    """Return a template of an instruction to lean, and the end effector.
+
+    Now and then the place is all that is said: `left of the till`.
+    """
+    bare = draw.chance(BARE_SHARE)
+    limb, name = limb_phrase(draw)
     tool = f"{draw.pick(WITH)} {limb}"
     comma = "," if draw.chance(0.3) else ""
     frames = (
@@ -176,14 +136,17 @@ def _contact(draw: Draw, location: str) -> tuple[str, str]:
         f"{draw.pick(CONTACTS)} {location} {tool}",
         f"{location} {draw.pick(PUT)} {limb}",
     )
-    if draw.chance(0.08):
+    roll = draw.uniform()
+    if roll < 0.08:
         return f"{draw.pick(LEAN)} {location}", "unspecified"
-    return draw.pick(frames), name
+    if roll < 0.16:
+        return by_the_other(draw, f"{draw.pick(LEAN)} {location}", feet=True)
+    return location if bare else draw.pick(frames), "unspecified" if bare else name
 
 
 def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
     """Return a template of an instruction to reach, and the end effector: feet only stand."""
-    limb, name = _limb(draw, feet=False)
+    limb, name = limb_phrase(draw, feet=False)
     tool = f"{draw.pick(WITH)} {limb}"
     comma = "," if draw.chance(0.3) else ""
     verb = draw.pick(REACH_OBJECT) if absolute else draw.pick(REACH_PLACE)
@@ -192,8 +155,11 @@ def _reach(draw: Draw, location: str, *, absolute: bool) -> tuple[str, str]:
         *[f"{tool}{draw.pick((',', ',', ''))} {verb} {location}"] * 2,
         f"use {limb} to {verb} {location}",
     )
-    if draw.chance(0.17):
+    roll = draw.uniform()
+    if roll < 0.17:
         return f"{verb} {location}", "unspecified"
+    if roll < 0.25:
+        return by_the_other(draw, f"{verb} {location}", feet=False)
     return draw.pick(frames), name
 
 
@@ -201,7 +167,7 @@ def _other_thing(draw: Draw) -> Instruction:
     """Reject what is shown for another thing, which is a new target: `no, the blue one`."""
     template, effector = draw.pick(OTHER_THINGS), "unspecified"
     if draw.chance(0.35):
-        limb, effector = _limb(draw)
+        limb, effector = limb_phrase(draw)
         template = f"{template}, {limb}"
     draft = Draft()
     draft.fill(template, {"A": draw.pick((one_phrase, one_phrase, plain_phrase))(draw)})
@@ -215,14 +181,21 @@ def instruction(draw: Draw, kind: str, *, plain: bool) -> Instruction:
     """
     if kind == "absolute" and not plain and draw.chance(OTHER_SHARE):
         return _other_thing(draw)
-    location = locations.absolute(draw) if kind == "absolute" else relations.relative(draw)
+    absolute = kind == "absolute"
+    location = locations.absolute(draw) if absolute else relations.relative(draw)
     reach = draw.chance(0.32)
-    text = "{A}" if reach and kind == "absolute" else location.text
+    text = "{A}" if reach and absolute else location.text
     text = _with_articles(draw, text, plain=plain)
     if reach:
-        template, effector = _reach(draw, text, absolute=kind == "absolute")
+        template, effector = _reach(draw, text, absolute=absolute)
     else:
         template, effector = _contact(draw, text)
+    if absolute and draw.chance(STANDS_SHARE):
+        template = template.replace(
+            "{A}", f"{{A}} {draw.pick(STANDS)} the {plain_phrase(draw, surface=True)}"
+        )
+    elif absolute and draw.chance(INSTEAD_SHARE):
+        template = draw.pick(INSTEAD).format(told=template, n=plain_phrase(draw))
     draft = Draft()
     if not plain:
         _lead(draw, draft)

@@ -69,6 +69,14 @@ SIDES: dict[str, tuple[tuple[str, ...], int, int]] = {
     "front": (FRONT, 0, 1),
 }
 """Phrases, and the direction (du, dv) in the picture."""
+NOT_ON = names(
+    """
+not on {{A}}, {0} | not on {{A}} but {0} | not on {{A}}, but {0} | {0}, not on {{A}} | near {{A}},
+not on it | beside {{A}} rather than on it | not on {{A}} itself, {0} | off {{A}}, {0} | next to
+{{A}} and not on it
+""",
+    "|",
+)
 PLAIN_SIDES = {
     "left": ("to the left", "left", "on the left"),
     "right": ("to the right", "right", "on the right"),
@@ -165,8 +173,11 @@ def _beside(draw: Draw) -> Location:
     if draw.chance(0.1):
         words, size = distance(draw)
         text = f"{words} {draw.pick(('from', 'away from', 'next to', 'beside'))}"
+    text = f"{text} {{A}}"
+    if draw.chance(0.12):
+        text = draw.pick(NOT_ON).format(draw.pick(("next to it", "beside it", "close to it")))
     # There is more room towards the middle of the picture.
-    return Location(f"{text} {{A}}", *beside("a", -1 if scene == "A right" else 1, 0, size), scene)
+    return Location(text, *beside("a", -1 if scene == "A right" else 1, 0, size), scene)
 
 
 def _edge(draw: Draw) -> Location:

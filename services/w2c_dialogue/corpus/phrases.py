@@ -19,6 +19,8 @@ from w2c_dialogue.corpus.things import (
     WHICH,
 )
 
+LIMBS = frozenset({"boot", "shoe", "glove", "arm", "leg", "foot", "hand", "heel", "wing", "sole"})
+"""Things that are called as what a person leans with, or nearly"""
 ARTICLES = ("the", "the", "the", "the", "the", "the", "a", "that", "this", "your", "my", "the", "")
 NESTED = ("of", "of the", "on the", "of that")
 
@@ -65,7 +67,7 @@ def _adjectives(draw: Draw) -> list[str]:
         words.append(draw.pick(COLOURS))
     if draw.chance(0.15):
         words.append(draw.pick(MATERIALS))
-    if draw.chance(0.02):
+    if draw.chance(0.05):
         words.append(draw.pick(("left", "right", "upper", "lower", "left-hand", "right-hand")))
     return words
 
@@ -106,6 +108,8 @@ def phrase(draw: Draw, *, surface: bool = False) -> str:
     if roll < 0.21:
         return one_phrase(draw)
     words = [*_adjectives(draw), noun(draw, surface=surface)]
+    if words[-1] in LIMBS and len(words) > 1:
+        words = words[-1:]  # a right boot is not what goes there, it goes somewhere
     if draw.chance(0.06):
         words.append(_attribute(draw))
     elif draw.chance(0.05):

@@ -20,7 +20,8 @@ from w2c_dialogue.corpus.things import meanings, names
 BETWEEN = names("""
 between {A} and {B}, in between {A} and {B}, in the middle of {A} and {B}, halfway between {A} and
 {B}, midway between {A} and {B}, in the space between {A} and {B}, somewhere between {A} and {B}, in
-the gap between {A} and {B}, right between {A} and {B}
+the gap between {A} and {B}, right between {A} and {B}, where {A} and {B} meet, half way from {A} to
+{B}, where {A} meets {B}
 """)
 NEARER = names("""
 closer to, nearer to, nearer, more towards, a bit closer to, closer in to, more to the side of,

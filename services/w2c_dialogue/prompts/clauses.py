@@ -24,6 +24,8 @@ _JOINS = frozenset(
 _GOES_ON = frozenset({"and", "by", "for", "if", "please", "then", "using", "with"})
 """What goes on with a sentence where a name has ended"""
 _AMOUNTS = frozenset({"bit", "little", "lot", "tad", "touch"})
+_POSTURES = frozenset({"hanging", "leaning", "lying", "resting", "sitting", "standing"})
+_BESIDE = frozenset({"next", "on", "inside", "outside", "underneath"})
 _MOST_OF_A_VERB = 2
 """Words: `normally carries`"""
 _NO_VERB = frozenset(
@@ -47,6 +49,7 @@ def is_cut(heard: Sequence[str], first: int, last: int) -> bool:
         _cut_short(heard, first, last)
         or _without_object(heard, first, last)
         or _stranded(heard, first, last)
+        or _stands(heard, first, last)
     )
 
 
@@ -73,6 +76,14 @@ def _without_object(heard: Sequence[str], first: int, last: int) -> bool:
     verb = any(heard[at] in begins for at in range(max(first + 1, last - _MOST_OF_A_VERB), last))
     after = _after(heard, last)
     return verb and after[0] in _OWNERS | {"a", "an"} and _AMOUNTS.isdisjoint(after)
+
+
+def _stands(heard: Sequence[str], first: int, last: int) -> bool:
+    """Tell whether a name ends before where the thing is: `radio that is lying | on a bed`."""
+    after = _after(heard, last)
+    return (
+        first < last and heard[last] in _POSTURES and bool(after) and after[0] in _JOINS | _BESIDE
+    )
 
 
 def _stranded(heard: Sequence[str], first: int, last: int) -> bool:

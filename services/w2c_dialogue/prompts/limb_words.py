@@ -1,8 +1,8 @@
 """The hand or foot that an instruction names in so many words: "with your right palm".
 
 A small model hears a limb wrongly now and then, of rare words above all. Where one side stands
-before one limb, once, and nothing takes it back, there is nothing to guess: of the 3,809 written
-instructions of the corpus that are so, 3,807 mean that limb.
+before one limb, once, and nothing takes it back, there is nothing to guess: of the 4,455 written
+instructions of the corpus that are so, 4,454 mean that limb.
 """
 
 from w2c.messages import EndEffector
@@ -23,8 +23,9 @@ _NO_LIMB = frozenset({"border", "corner", "edge", "end", "half", "of", "part", "
 """After it: `the right hand side`, `the left arm of the chair`"""
 _TAKE_BACK = frozenset(
     {
-        "cancel", "can't", "don't", "dont", "free", "instead", "isn't", "keep", "never", "no",
-        "not", "opposite", "other", "sorry", "stays", "without", "won't",
+        "any", "asleep", "busy", "cancel", "can't", "don't", "dont", "either", "free", "holding",
+        "hurts", "instead", "isn't", "keep", "mean", "meant", "never", "no", "not", "one", "one's",
+        "opposite", "other", "sorry", "stays", "taken", "tired", "wait", "without", "won't",
     }
 )  # fmt: skip
 

@@ -11,6 +11,7 @@ from w2c.messages import Box
 from w2c_dialogue.corpus import (
     corrections,
     instructions,
+    limbs,
     locations,
     measures,
     relations,
@@ -30,11 +31,13 @@ from w2c_dialogue.corpus.exact_moves import (
     two_lengths,
 )
 from w2c_dialogue.corpus.fitting import says_number
+from w2c_dialogue.corpus.limbs import by_the_other
 from w2c_dialogue.corpus.measures import body_length, repaired
 from w2c_dialogue.corpus.places import read_place
 from w2c_dialogue.corpus.steering import Correction
 from w2c_dialogue.expressions import correction_symbols, evaluate, object_symbols
 from w2c_dialogue.prompts.base import CorrectionScene, Move, SceneObject
+from w2c_dialogue.prompts.limb_words import named_limb
 from w2c_dialogue.prompts.spans import naming_spans
 from w2c_dialogue.utterance import Span, parse
 
@@ -194,7 +197,7 @@ def test_another_thing_is_a_new_target_and_what_is_rejected_is_none() -> None:
 def test_of_a_repaired_limb_the_one_that_is_meant_counts() -> None:
     source, seen = draw(), set()
     for _ in range(500):
-        said, name = instructions._short_limb(source, feet=True)
+        said, name = limbs._short_limb(source, feet=True)
         words = re.findall(r"[a-z]+", said.lower())
         letters = {"l": "left", "r": "right", "lh": "left", "rh": "right", "lf": "left"}
         sides = [letters.get(word, word) for word in words]
@@ -332,3 +335,29 @@ def test_drawn_places_by_two_things_mean_what_written_ones_mean() -> None:
 
 def said(made: Correction) -> str:
     return " ".join(made.draft.words)
+
+
+def test_a_limb_that_is_told_by_the_other_one_is_not_the_one_that_is_named() -> None:
+    source, seen = draw(8), Counter[str]()
+    for _ in range(300):
+        text, limb = by_the_other(source, "lean on the {A}", feet=True)
+        sides = set(re.findall(r"\b(left|right)\b", text))
+        side, part = limb.split("_")
+        assert part in text
+        assert "{A}" in text
+        assert sides == {"left", "right"} or side not in sides, text
+        assert named_limb(parse(text.replace("{A}", "box"))) in (None, limb), text
+        seen[limb] += 1
+    assert set(seen) == {"left_hand", "right_hand", "left_foot", "right_foot"}
+
+
+def test_what_is_not_meant_and_where_a_thing_stands_are_no_objects() -> None:
+    source = draw(9)
+    things = Counter[bool]()
+    for _ in range(2000):
+        made = instructions.instruction(source, "absolute", plain=True)
+        utterance, spans = made.draft.finish()
+        assert len(spans) == 1, utterance.text
+        after = utterance.folded[spans[0][1] :]
+        things["standing" in after or "lying" in after or "instead" in after] += 1
+    assert things[True] > 20
