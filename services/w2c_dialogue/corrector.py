@@ -100,9 +100,13 @@ def corrected_point(
         ModelError: the model's answer cannot be followed.
         CallError: the model does not answer.
     """
-    answer = read(model.complete(prompts.correct(utterance, mentions, scene)), PointAnswer)
+    asked = (utterance,) if mentions else prompts.parts(utterance)
+    answers = [
+        read(model.complete(prompts.correct(part, mentions, scene)), PointAnswer) for part in asked
+    ]
+    x, y = _added_up([one.x for one in answers], "u"), _added_up([one.y for one in answers], "v")
     try:
-        point = evaluate_point(answer.x, answer.y, correction_symbols(scene), size)
+        point = evaluate_point(x, y, correction_symbols(scene), size)
     except UnknownSymbolError as error:
         if error.symbol.startswith(("first", "last", "moves")):
             raise RefusedError(
@@ -110,7 +114,15 @@ def corrected_point(
                 "Say a direction, for example: a bit to the left."
             ) from error
         raise
-    return point, (answer.x, answer.y) == _UNDO or _takes_back(utterance, point, scene)
+    return point, (x, y) == _UNDO or _takes_back(utterance, point, scene)
+
+
+def _added_up(expressions: Sequence[str], axis: str) -> str:
+    """Return the expression of all moves together; of one alone, as it was written."""
+    if len(expressions) == 1:
+        return expressions[0]
+    moves = "+".join(f"({one}-target.{axis})" for one in expressions)
+    return f"target.{axis}+{moves}"
 
 
 def _takes_back(utterance: Utterance, point: ImagePoint, scene: CorrectionScene) -> bool:

@@ -200,20 +200,19 @@ def _pixels(draw: Draw) -> Correction:
 
 
 _KINDS = (
-    (0.13, _direction),
+    (0.22, _direction),
     (0.03, _by_body),
-    (0.03, _diagonal),
-    (0.12, two_amounts),
-    (0.25, two_lengths),
-    (0.08, _history),
-    (0.05, along_last),
+    (0.04, _diagonal),
+    (0.06, two_amounts),
+    (0.08, two_lengths),
+    (0.13, _history),
+    (0.06, along_last),
     (0.03, earlier_move),
-    (0.03, along_axis),
-    (0.19, _object),
+    (0.04, along_axis),
+    (0.25, _object),
     (0.02, _pixels),
 )
-"""How often, and what; not as often as people say it, but as it is hard to learn: one amount is
-learnt from a few hundred sentences, which of two goes which way from thousands"""
+"""How often, and what"""
 _OBJECT_KINDS = (
     (4, _closer),
     (5, _away),

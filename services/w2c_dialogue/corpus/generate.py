@@ -147,6 +147,10 @@ def _relative(draw: Draw) -> Example:
 def _correct(draw: Draw) -> Example:
     made = _correction(draw)
     utterance, mentions = _cut(made.draft, draw)
+    while not mentions and len(PROMPTS.parts(utterance)) > 1:
+        # The model is never asked this: it is asked for each part.
+        made = _correction(draw)
+        utterance, mentions = _cut(made.draft, draw)
     moves = tuple(_move(draw) for _ in range(made.needs_past + draw.below(4)))
     objects = tuple(_scene_objects(draw, made.scene, len(mentions)))
     scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), moves, (), objects, 10.0)

@@ -128,6 +128,10 @@ class _Ablated:
         """Ask for the corrected target."""
         return self._change(self._prompts.correct(utterance, mentions, scene))
 
+    def parts(self, utterance: Utterance) -> tuple[Utterance, ...]:
+        """Return what the set without the ablation returns."""
+        return self._prompts.parts(utterance)
+
     def effector(self, utterance: Utterance) -> Question:
         """Ask for `effector` and `task`."""
         return self._change(self._prompts.effector(utterance))

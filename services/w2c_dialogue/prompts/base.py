@@ -97,6 +97,9 @@ class PromptSet(Protocol):
     ) -> Question:
         """Ask for the expressions `x` and `y` of the corrected target."""
 
+    def parts(self, utterance: Utterance) -> tuple[Utterance, ...]:
+        """Return the parts of a correction that are asked one by one, and add up; one: as it is."""
+
     def effector(self, utterance: Utterance) -> Question:
         """Ask for `effector` and `task`."""
 

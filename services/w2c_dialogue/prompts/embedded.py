@@ -12,6 +12,7 @@ from dataclasses import replace
 from w2c.errors import ModelError
 from w2c.messages import Box, ChatMessage
 from w2c_dialogue.expressions import correction_symbols, object_symbols
+from w2c_dialogue.prompts import two_ways
 from w2c_dialogue.prompts.base import (
     EFFECTORS,
     MODULES,
@@ -107,6 +108,10 @@ class EmbeddedPrompts:
         named = replace(scene, moves=scene.moves[-NAMED_MOVES:])
         schema = self._point_schema(correction_symbols(named), utterance)
         return Question("correct", _messages("correct", content), 1, schema)
+
+    def parts(self, utterance: Utterance) -> tuple[Utterance, ...]:
+        """Return each direction with its amount: asked for both, the model mixes them up."""
+        return two_ways.parts(utterance)
 
     def effector(self, utterance: Utterance) -> Question:
         """Ask for end effector and task."""

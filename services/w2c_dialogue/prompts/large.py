@@ -118,6 +118,10 @@ class LargePrompts:
             "correct", texts.CORRECT, texts.CORRECT_EXAMPLES, "\n".join(lines), self._point_fields()
         )
 
+    def parts(self, utterance: Utterance) -> tuple[Utterance, ...]:
+        """Return the correction as it is: a large model follows both amounts."""
+        return (utterance,)
+
     def effector(self, utterance: Utterance) -> Question:
         """Ask for end effector and task."""
         fields = {

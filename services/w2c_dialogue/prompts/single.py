@@ -142,6 +142,10 @@ class SinglePrompt:
         """Ask for the corrected target."""
         return self._prompts.correct(utterance, mentions, scene)
 
+    def parts(self, utterance: Utterance) -> tuple[Utterance, ...]:
+        """Return what the other set returns."""
+        return self._prompts.parts(utterance)
+
     def effector(self, utterance: Utterance) -> Question:
         """Ask for `effector` and `task`."""
         return self._prompts.effector(utterance)
