@@ -18,7 +18,12 @@ CHANGES = frozenset(
     }
 )  # fmt: skip
 """Of words for a change those that mean little else: "all right" is a yes."""
-DENIALS = frozenset({"don't", "dont", "nah", "no", "nope", "not"})
+DENIALS = frozenset(
+    {
+        "abort", "cancel", "don't", "dont", "isn't", "nah", "negative", "never", "no", "nope",
+        "not", "stop", "wait", "wrong",
+    }
+)  # fmt: skip
 """Who says one may still agree; a robot that moves against a no is worse than a question"""
 
 
