@@ -8,6 +8,7 @@ import pytest
 
 from w2c.errors import ConfigError
 from w2c_evaluation.understanding.commands import (
+    HELD_OUT_FILES,
     format_table,
     judge,
     rate,
@@ -16,6 +17,8 @@ from w2c_evaluation.understanding.commands import (
     wilson_interval,
 )
 from w2c_evaluation.understanding.judging import Expectation, HeldOut, same_objects, score
+
+PROBES = HELD_OUT_FILES.parent / "probes"
 
 
 def line(task: str, **expect: object) -> HeldOut:
@@ -30,6 +33,37 @@ def test_the_held_out_questions_are_many_and_in_many_voices() -> None:
     assert len({entry.id for entry in lines}) == len(lines)
     for entry in lines:
         assert score(entry, {"error": "none"}) == dict.fromkeys(score(entry, {}), False)
+
+
+def test_probes_can_be_passed_and_no_two_of_them_have_one_name() -> None:
+    lines = [
+        msgspec.json.decode(text, type=HeldOut)
+        for path in sorted(PROBES.glob("*.jsonl"))
+        for text in read_questions([path])
+    ]
+
+    assert {entry.task for entry in lines} == {
+        "correct",
+        "relative",
+        "effector",
+        "analyze",
+        "select",
+    }
+    assert len({entry.id for entry in lines}) == len(lines) > 1000
+    for entry in lines:
+        expect = entry.expect
+        answer: dict[str, Any] = {
+            "module": expect.module,
+            "position": expect.position,
+            "objects": [spans[0] for spans in expect.objects],
+            "end_effector": expect.end_effector,
+            "task_type": expect.task_type,
+        }
+        if expect.accept:
+            left, top, right, bottom = expect.accept[0]
+            answer["point"] = [0.5 * (left + right), 0.5 * (top + bottom)]
+        assert all(score(entry, answer).values()), entry
+        assert not any(score(entry, {"error": "none"}).values()), entry
 
 
 @pytest.mark.parametrize(
