@@ -24,6 +24,21 @@ def test_a_limb_with_its_side_is_meant(text: str, limb: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "limb"),
+    [
+        ("your right hand is full, so the other one on the rail", "left_hand"),
+        ("don't use your right hand, push the gate with the other", "left_hand"),
+        ("not the left hand, the right one: grab the jar", "right_hand"),
+        ("keep your left foot there and step on it with the other foot", "right_foot"),
+        ("tap the crate, not with your right hand but the other one", "left_hand"),
+        ("not left foot, right hand, on the balloon", "right_hand"),
+    ],
+)
+def test_a_limb_may_be_told_by_the_other_one(text: str, limb: str) -> None:
+    assert named_limb(parse(text)) == limb
+
+
+@pytest.mark.parametrize(
     "text",
     [
         "take the cup on the left",
@@ -31,7 +46,10 @@ def test_a_limb_with_its_side_is_meant(text: str, limb: str) -> None:
         "your left hand or your right hand on the box",
         "not the left hand",
         "put your left foot, sorry, hand on the box",
-        "your right hand is full, so the other one on the rail",
+        "keep the right foot on the lino, otherwise it curls",
+        "the other mug with a hand, not the left one",
+        "not the left mug, the right one",
+        "don't use your right hand",
         "my left arm hurts, hold me",
         "on the right hand side of the box",
         "stand on the left arm of the sofa",
