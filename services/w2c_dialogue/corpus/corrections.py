@@ -23,11 +23,11 @@ from w2c_dialogue.corpus.steering import WAYS, Correction, finish, sized_directi
 
 def correction(draw: Draw) -> Correction:
     """Return one correction."""
-    roll = draw.uniform()
-    for share, make in _KINDS:
-        if roll < share:
-            return make(draw)
-        roll -= share
+    return draw.by_share(_KINDS, _stay)(draw)
+
+
+def _stay(draw: Draw) -> Correction:
+    """Say that it is wrong, or stop, and no direction."""
     draft = Draft()
     draft.add(draw.pick(words.STAY))
     return Correction(draft, "target.u", "target.v")

@@ -59,6 +59,15 @@ class Draw:
         """Return a number in [low, high)."""
         return low + (high - low) * self.uniform()
 
+    def by_share(self, entries: Sequence[tuple[float, T]], rest: T) -> T:
+        """Return one of the entries, each as often as its share says; `rest` for what is left."""
+        roll = self.uniform()
+        for share, entry in entries:
+            if roll < share:
+                return entry
+            roll -= share
+        return rest
+
     def pick(self, entries: Sequence[T]) -> T:
         """Return one of the entries that this split may use."""
         if len(entries) < SMALLEST_SPLIT:

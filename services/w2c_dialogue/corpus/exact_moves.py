@@ -4,6 +4,7 @@ A small model hears one amount well and mixes up two, unless it has heard thousa
 """
 
 from w2c_dialogue.corpus import correction_words as words
+from w2c_dialogue.corpus import exact_words
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.measures import distance, number, unit, with_unit
 from w2c_dialogue.corpus.steering import WAYS, Correction, finish, term
@@ -47,14 +48,16 @@ def two_lengths(draw: Draw) -> Correction:
         sizes = {ways[0]: expression.format(first), ways[1]: expression.format(second)}
         return _to_both(draw, text, sizes)
     both = " and ".join(draw.pick(words.TO[way]) for way in ways)
-    text = draw.pick(words.EACH).format(with_unit(draw, one, listed), both)
+    text = draw.pick(exact_words.EACH).format(with_unit(draw, one, listed), both)
     return _to_both(draw, text, dict.fromkeys(ways, expression.format(first)))
 
 
 def towards(draw: Draw, a: str, things: dict[str, str]) -> Correction:
     """Go a length along the line to a thing: `two cm closer to the cup`."""
     said, size = distance(draw)
-    listed, sign = draw.pick(((words.TOWARDS, "+"), (words.TOWARDS, "+"), (words.OFF, "-")))
+    listed, sign = draw.pick(
+        ((exact_words.TOWARDS, "+"), (exact_words.TOWARDS, "+"), (exact_words.OFF, "-"))
+    )
     direction = draw.pick(listed)
     text = draw.pick(
         (
@@ -72,7 +75,7 @@ def towards(draw: Draw, a: str, things: dict[str, str]) -> Correction:
 def along_last(draw: Draw) -> Correction:
     """Go a length on, or back, along the last move: `two cm more`, `come back 2 cm`."""
     said, size = distance(draw)
-    text, sign = draw.pick(words.BACK_OR_ON)
+    text, sign = draw.pick(exact_words.BACK_OR_ON)
     x, y = (f"target.{axis}{sign}{size}*last.way.{axis}" for axis in "uv")
     draft = finish(draw, text.format(said), {}, bare=1.0)
     return Correction(draft, x, y, 1)
@@ -80,7 +83,7 @@ def along_last(draw: Draw) -> Correction:
 
 def earlier_move(draw: Draw) -> Correction:
     """Repeat or take back a move that is not the last: `the first move once more`."""
-    text, meaning = draw.pick(words.EARLIER)
+    text, meaning = draw.pick(exact_words.EARLIER)
     sign, move = meaning[0], meaning[1:]
     x, y = (f"target.{axis}{sign}{move}.d{axis}" for axis in "uv")
     return Correction(finish(draw, text, {}, bare=1.0), x, y, 2)
@@ -93,8 +96,8 @@ def along_axis(draw: Draw) -> Correction:
         listed, expression = unit(draw)
         digits, size = with_unit(draw, digits, listed), expression.format(size)
     axis = draw.pick(("u", "v"))
-    name = draw.pick(words.AXIS_NAMES[axis])
-    template, sign = draw.pick(words.SIGNED)
+    name = draw.pick(exact_words.AXIS_NAMES[axis])
+    template, sign = draw.pick(exact_words.SIGNED)
     moved = f"target.{axis}{sign}{size}"
     x, y = (moved, "target.v") if axis == "u" else ("target.u", moved)
     draft = finish(draw, template.format(digits, name), {}, bare=0.7, verbs=words.MOVE_POINT)

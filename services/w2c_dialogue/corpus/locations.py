@@ -217,12 +217,7 @@ def absolute(draw: Draw) -> Location:
 
 def of_one(draw: Draw) -> Location:
     """Return a place beside one thing, or at an edge of it."""
-    roll = draw.uniform()
-    for share, make in _KINDS:
-        if roll < share:
-            return make(draw)
-        roll -= share
-    return _side(draw)
+    return draw.by_share(_KINDS, _side)(draw)
 
 
 _KINDS: tuple[tuple[float, Callable[[Draw], Location]], ...] = (

@@ -72,12 +72,7 @@ PARTS_OF_THE_WAY = meanings("""
 
 def relative(draw: Draw) -> Location:
     """Return a place that is described relative to things."""
-    roll = draw.uniform()
-    for share, make in _KINDS:
-        if roll < share:
-            return make(draw)
-        roll -= share
-    return of_one(draw)
+    return draw.by_share(_KINDS, of_one)(draw)
 
 
 def _between(draw: Draw) -> Location:
