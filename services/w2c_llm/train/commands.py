@@ -112,7 +112,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--with-share", type=float, default=0.2, help="their share of all examples (default 0.2)"
     )
-    parser.add_argument("--layers", type=int, help="default 6, or those of --from")
+    parser.add_argument(
+        "--layers",
+        type=int,
+        help="default 6, or those of --from; more than those add layers that change nothing yet",
+    )
     parser.add_argument("--width", type=int, help="default 256, or that of --from")
     parser.add_argument("--feed-forward", type=int, help="default 768, or that of --from")
     parser.add_argument(

@@ -172,7 +172,9 @@ def test_the_command_trains_scores_exports_and_resumes(tmp_path: Path) -> None:
     assert SCORES_END in card.partition(SCORES_BEGIN)[2]
     flags[5] = str(tmp_path / "second")
     assert train([*flags, "--from", str(model), "--steps", "1"]) == 0
-    assert train([*flags, "--from", str(model), "--steps", "1", "--layers", "2"]) == 2
+    assert train([*flags, "--from", str(model), "--steps", "1", "--width", "128"]) == 2
+    assert train([*flags, "--from", str(model), "--steps", "1", "--layers", "2"]) == 0
+    assert "2 layers, width 64" in (tmp_path / "second" / "README.md").read_text()
     assert train(["--corpus", "no", "--heldout", "no", "--out", str(tmp_path / "x")]) == 2
 
 
