@@ -1,10 +1,12 @@
 """A place beside things is on the surface they stand on, and on nothing else that stands there.
 
 Arithmetic on boxes knows only the things that were named. Where it points at the next thing, at the
-robot's own hand or past the edge of the table, the nearest place on the surface is meant. Of a
-floor vision models see nothing: there the nearest place is meant that no thing takes.
+robot's own hand or past the edge of the table, the nearest place on the surface is meant that is on
+the same side of the thing. Of a floor vision models see nothing: there the nearest place is meant
+that no thing takes.
 """
 
+import math
 from collections.abc import Sequence
 
 import cv2
@@ -12,15 +14,19 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import CallError
-from w2c.messages import Array, PhraseEvidence
-from w2c_dialogue.cells import cell_at, middles
+from w2c.messages import PhraseEvidence
+from w2c_dialogue.cells import cell_at
 from w2c_dialogue.expressions import ImagePoint
+from w2c_dialogue.heat import hot, inner, nearest
 from w2c_dialogue.interfaces import Frame, Grounding
 from w2c_dialogue.prompts.base import SceneObject
 from w2c_dialogue.sight import inside
 
-SURFACE = "surface"
-"""What the vision model is asked for: a table, a counter, a board of a shelf"""
+SURFACES = ("surface", "table", "counter", "shelf")
+"""What the vision model is asked for. Which of these words it takes a surface for depends more on
+what the surface looks like than on what it is, so their heat is put together"""
+SMALLEST = 0.03
+"""Share of the picture: less is no surface that things stand on"""
 THINGS = tuple(
     f"{colour} thing"
     for colour in (
@@ -29,19 +35,24 @@ THINGS = tuple(
     )
 )  # fmt: skip
 """What it is asked for where it sees no surface: whatever stands there has a colour"""
-HOT = 0.5
-"""Of the peak: cells that show what was asked for"""
-MARGIN = 0.008
-"""From the edge of what is seen of the surface, as a share of the width of the picture"""
+GROUND = 0.25
+"""Share of the picture: what is of one colour and larger is the ground itself, no thing on it"""
 REACH = 0.6
 """As far as a place is moved, as a share of the longer side of the first thing: farther off it is
 another place"""
 
 
-def look_for_surface(grounding: Grounding, frame: Frame) -> PhraseEvidence | None:
-    """Return what is seen of surfaces that carry things; None: of none. Raises CallError."""
-    seen = _look(grounding, frame, [SURFACE])
-    return seen[0] if len(seen) == 1 else None
+def look_for_surface(grounding: Grounding, frame: Frame) -> npt.NDArray[np.bool_] | None:
+    """Return the cells (h, w) that show surfaces that carry things; None: no surface is seen.
+
+    Raises:
+        CallError: the model does not answer.
+    """
+    heatmaps = [one.heatmap for one in _look(grounding, frame, SURFACES) if one.heatmap is not None]
+    if not heatmaps:
+        return None
+    seen = hot(np.maximum.reduce(heatmaps))
+    return seen if seen.mean() >= SMALLEST else None
 
 
 def look_for_things(grounding: Grounding, frame: Frame) -> list[PhraseEvidence]:
@@ -74,19 +85,38 @@ def onto_surface(
         free = _free_places(grounding, frame)
     except CallError:
         return point
-    if free is None or not free.any():
+    if free is None:
         return point
     size = frame.width, frame.height
-    if free[cell_at(point.u, point.v, free.shape, size)]:
-        return point
-    rows, columns = np.nonzero(free)
-    u, v = middles(rows, columns, free.shape, size)
-    distance = np.hypot(u - point.u, v - point.v)
-    nearest = int(np.argmin(distance))
+    place = nearest(_on_the_same_side(free, point, objects, size), point, size)
     box = objects[0].box
-    if distance[nearest] > REACH * max(box.right - box.left, box.bottom - box.top):
+    reach = REACH * max(box.right - box.left, box.bottom - box.top)
+    if place is None or math.dist((place.u, place.v), (point.u, point.v)) > reach:
         return point
-    return ImagePoint(float(u[nearest]), float(v[nearest]), clipped=point.clipped)
+    return place
+
+
+def _on_the_same_side(
+    cells: npt.NDArray[np.bool_],
+    point: ImagePoint,
+    objects: Sequence[SceneObject],
+    size: tuple[int, int],
+) -> npt.NDArray[np.bool_]:
+    """Return those of the cells (h, w) that are on the sides of the things that a point is on."""
+    kept = cells.copy()
+    for box in (item.box for item in objects):
+        top, left = cell_at(box.left, box.top, cells.shape, size)
+        bottom, right = cell_at(box.right, box.bottom, cells.shape, size)
+        # The cell of the point itself is always kept, also where it is the one of the edge.
+        if point.u < box.left:
+            kept[:, left + 1 :] = False
+        elif point.u >= box.right:
+            kept[:, :right] = False
+        if point.v < box.top:
+            kept[top + 1 :] = False
+        elif point.v >= box.bottom:
+            kept[:bottom] = False
+    return kept
 
 
 def _free_places(grounding: Grounding, frame: Frame) -> npt.NDArray[np.bool_] | None:
@@ -97,21 +127,18 @@ def _free_places(grounding: Grounding, frame: Frame) -> npt.NDArray[np.bool_] | 
     """
     surface = look_for_surface(grounding, frame)
     if surface is not None:
-        return None if surface.heatmap is None else _inner(_hot(surface.heatmap))
+        return inner(surface)
     taken = [
-        _hot(one.heatmap) for one in look_for_things(grounding, frame) if one.heatmap is not None
+        _things(hot(one.heatmap))
+        for one in look_for_things(grounding, frame)
+        if one.heatmap is not None
     ]
-    return _inner(~np.logical_or.reduce(taken)) if taken else None
+    return inner(~np.logical_or.reduce(taken)) if taken else None
 
 
-def _hot(heatmap: Array) -> npt.NDArray[np.bool_]:
-    return np.asarray((heatmap >= HOT * float(heatmap.max())) & (heatmap > 0))
-
-
-def _inner(cells: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Return the cells (h, w) that are not near the edge of the others."""
-    width = max(1, round(MARGIN * cells.shape[1]))
-    kernel = np.ones((2 * width + 1, 2 * width + 1), dtype=np.uint8)
-    # A surface goes on beyond the edge of the picture.
-    inner = cv2.erode(cells.astype(np.uint8), kernel, borderType=cv2.BORDER_REPLICATE)
-    return np.asarray(inner > 0)
+def _things(cells: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return the cells (h, w) of one colour without the regions that are too large for a thing."""
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(cells.astype(np.uint8))
+    small = statistics[:, cv2.CC_STAT_AREA] <= GROUND * cells.size
+    small[0] = False  # what is not hot
+    return np.asarray(small[labels])

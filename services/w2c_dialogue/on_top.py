@@ -8,14 +8,13 @@ import numpy as np
 
 from w2c.messages import PhraseEvidence
 from w2c_dialogue.cells import middles
+from w2c_dialogue.heat import hot
 from w2c_dialogue.utterance import Mention, Utterance
 
 HEIGHT = 0.33
 """Of the point within the outline, from its upper edge"""
 NEARLY = 0.12
 """As far above and below that hot cells are looked at, as a share of the outline"""
-HOT = 0.5
-"""Of the peak: cells that show the thing"""
 _ARTICLES = frozenset({"the", "a", "an", "that", "this", "your", "my", "our"})
 _ON_TOP = (
     "on top of", "on the top of", "onto the top of", "to the top of", "at the top of", "ontop of",
@@ -47,7 +46,7 @@ def upper_point(seen: PhraseEvidence, size: tuple[int, int]) -> tuple[float, flo
     if not seen.boxes or seen.heatmap is None or not seen.heatmap.any():
         return None
     box = seen.boxes[0]
-    rows, columns = np.nonzero(seen.heatmap >= HOT * float(seen.heatmap.max()))
+    rows, columns = np.nonzero(hot(seen.heatmap))
     u, v = middles(rows, columns, seen.heatmap.shape, size)
     wanted = box.top + HEIGHT * (box.bottom - box.top)
     reach = max(NEARLY * (box.bottom - box.top), size[1] / len(seen.heatmap))

@@ -9,6 +9,7 @@ from w2c_dialogue.beside import at_its_foot
 from w2c_dialogue.expressions import ImagePoint, evaluate_point, object_symbols
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.on_surface import onto_surface
+from w2c_dialogue.on_thing import onto_thing
 from w2c_dialogue.prompts.base import PromptSet, SceneObject
 from w2c_dialogue.sight import Prediction, scene_objects, unknown_warnings
 from w2c_dialogue.utterance import Mention, Utterance
@@ -58,9 +59,10 @@ def predict(
         size=(frame.width, frame.height),
     )
     beside = at_its_foot(point, objects)
-    point = onto_surface(beside, objects, grounding, frame)
+    on_it = onto_thing(beside, objects, grounding, frame)
+    point = onto_surface(on_it, objects, grounding, frame)
     warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
-    if math.dist((point.u, point.v), (beside.u, beside.v)) > NOTICED * frame.width:
+    if math.dist((point.u, point.v), (on_it.u, on_it.v)) > NOTICED * frame.width:
         warnings += (TAKEN,)
     return Prediction(point.u, point.v, objects, warnings)
 

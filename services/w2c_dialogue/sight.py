@@ -86,7 +86,7 @@ def only(seen: PhraseEvidence, box: Box, size: tuple[int, int]) -> PhraseEvidenc
     """
     point, heatmap = seen.point, seen.heatmap
     if heatmap is not None:
-        heatmap = _within(heatmap, box, size)
+        heatmap = within(heatmap, box, size)
     if point is None or not inside(point, box):
         point = _hottest(heatmap, size) or centre(box)
     return msgspec.structs.replace(seen, boxes=[box], point=point, heatmap=heatmap)
@@ -101,8 +101,8 @@ def unknown_warnings(evidence: Sequence[PhraseEvidence]) -> tuple[str, ...]:
     )
 
 
-def _within(heatmap: Array, box: Box, size: tuple[int, int]) -> Array:
-    """Return a heatmap (h, w) of a picture of a size, zero outside a box [px]."""
+def within(heatmap: Array, box: Box, size: tuple[int, int]) -> Array:
+    """Return a heatmap (h, w) of a picture of a size, but zero outside a box [px]."""
     height, width = heatmap.shape
     across, along = width / size[0], height / size[1]
     rows = slice(int(box.top * along), math.ceil(box.bottom * along))

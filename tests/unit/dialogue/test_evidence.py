@@ -7,7 +7,7 @@ from support.conversing import CUP, FIRST, World, first_words
 from w2c.bus.codec import decode_message, encode_message
 from w2c.errors import UnavailableError
 from w2c.messages import ConfirmRequest, Evidence, Turn
-from w2c_dialogue.on_surface import SURFACE, THINGS
+from w2c_dialogue.on_surface import SURFACES, THINGS
 from w2c_dialogue.trail import LONGEST_ANSWER
 
 
@@ -33,9 +33,9 @@ def test_a_prediction_can_be_explained_afterwards() -> None:
     assert {answer.model for answer in found.answers} == {"scripted"}
     assert found.answers[0].probabilities == {"prediction": 0.99}
     assert msgspec.json.decode(answers(again)["relative"])["x"] == "a.left-0.5*a.width"
-    sighting, surface, *things = found.sightings
-    assert (surface.phrase, surface.found) == (SURFACE, False)
-    assert tuple(one.phrase for one in things) == THINGS
+    sighting, *rest = found.sightings
+    assert tuple(one.phrase for one in rest) == SURFACES + THINGS
+    assert not any(one.found for one in rest)
     assert (sighting.phrase, sighting.found, len(sighting.boxes)) == ("cup", True, 1)
     assert again.target is not None
     assert again.target.boxes[0].left == sighting.boxes[0].left == CUP[0]
