@@ -100,7 +100,7 @@ def _parser() -> argparse.ArgumentParser:
         default=(),
         metavar="FILE",
         help="begin with the weights and the tokenizer of a GGUF file or a checkpoint; of several, "
-        "with the mean of their weights",
+        "with the mean of their weights (with --layers also of some that have fewer layers)",
     )
     parser.add_argument(
         "--with",

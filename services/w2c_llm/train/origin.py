@@ -1,6 +1,5 @@
 """What a training begins with: random weights, those of a GGUF file, or those of a checkpoint."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,30 +41,6 @@ def read_origin(path: Path) -> Origin:
     except OSError as error:
         raise ConfigError(f"{path} cannot be read: {error.strerror}; give --from FILE") from error
     return _from_gguf(path) if is_gguf else _from_checkpoint(path)
-
-
-def read_origins(paths: Sequence[Path]) -> Origin:
-    """Return a network whose weights are the mean of those of files, with their tokenizer.
-
-    Trainings that went on from the same weights differ by what each learned and by noise; the mean
-    keeps more of the first than of the second (Wortsman et al., "Model soups", ICML 2022).
-
-    Raises:
-        ConfigError: as `read_origin`; or they differ in size or tokenizer.
-    """
-    first = read_origin(paths[0])
-    total = dict(first.network.state_dict())
-    for path in paths[1:]:
-        other = read_origin(path)
-        same_words = other.tokenizer.get_vocab() == first.tokenizer.get_vocab()
-        if other.size != first.size or not same_words:
-            raise ConfigError(
-                f"{path} has another size or tokenizer than {paths[0]}: there is no mean of their "
-                "weights; give --from models of one family"
-            )
-        total = {name: total[name] + value for name, value in other.network.state_dict().items()}
-    first.network.load_state_dict({name: value / len(paths) for name, value in total.items()})
-    return first
 
 
 def _from_checkpoint(path: Path) -> Origin:

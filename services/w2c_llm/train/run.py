@@ -17,10 +17,10 @@ from w2c_llm.train.checkpoint import Checkpoint
 from w2c_llm.train.data import Source, digest, encode_source, read_dialogues, read_source
 from w2c_llm.train.device import Device, best_device
 from w2c_llm.train.export import Card, export_gguf
-from w2c_llm.train.growth import deepened
 from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
+from w2c_llm.train.mean import read_origins
 from w2c_llm.train.network import NetworkSize, make_network
-from w2c_llm.train.origin import Origin, read_origin, read_origins
+from w2c_llm.train.origin import Origin, read_origin
 from w2c_llm.train.plan import Shape, TrainingPlan, TrainingResult
 from w2c_llm.train.scoring import exact_matches, match_rates
 from w2c_llm.train.tokenizer import EncodedExample, train_tokenizer
@@ -131,9 +131,8 @@ class Run:
         if kept is not None:
             origin, source = read_origin(self._checkpoint_path), self._checkpoint_path
         elif plan.begin_with:
-            origin, source = read_origins(plan.begin_with), plan.begin_with[0]
-            if shape.layers is not None:
-                origin = deepened(origin, shape.layers)
+            origin = read_origins(plan.begin_with, shape.layers)
+            source = plan.begin_with[0]
         else:
             tokenizer = self._new_tokenizer(corpus)
             width = shape.width or _WIDTH

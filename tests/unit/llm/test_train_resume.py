@@ -15,11 +15,13 @@ from w2c_llm.train.batches import Mixture, mix
 from w2c_llm.train.checkpoint import Checkpoint
 from w2c_llm.train.corpus import Example, Turn
 from w2c_llm.train.export import Card, export_gguf
+from w2c_llm.train.growth import deepened
 from w2c_llm.train.interruption import interruptible
 from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
+from w2c_llm.train.mean import read_origins
 from w2c_llm.train.network import NetworkSize, make_network
 from w2c_llm.train.optimizer import orthogonalised
-from w2c_llm.train.origin import read_origin, read_origins
+from w2c_llm.train.origin import Origin, read_origin
 from w2c_llm.train.plan import Shape, TrainingPlan
 from w2c_llm.train.run import CHECKPOINT, Run
 from w2c_llm.train.tokenizer import encode_all, train_tokenizer
@@ -230,6 +232,24 @@ def test_a_run_begins_with_the_mean_of_several(tmp_path: Path) -> None:
     export_gguf(tmp_path / "wider.gguf", wider, TOKENIZER, Card("t", "t"), "f32")
     with pytest.raises(ConfigError, match=r"wider\.gguf has another size or tokenizer"):
         read_origins([paths[0], tmp_path / "wider.gguf"])
+
+
+def test_a_training_and_the_shallower_one_it_grew_from_have_a_mean(tmp_path: Path) -> None:
+    shallow = Origin(make_network(SIZE, TOKENIZER.get_vocab_size(), 1), TOKENIZER, SIZE)
+    deep = deepened(shallow, 2)
+    for weight in deep.network.parameters():
+        weight.data += 0.5
+    paths = [tmp_path / "shallow.gguf", tmp_path / "deep.gguf"]
+    for path, origin in zip(paths, (shallow, deep), strict=True):
+        export_gguf(path, origin.network, TOKENIZER, Card("t", "t"), "f32")
+    mean = read_origins(paths, 2)
+    assert mean.size.layers == 2
+    before = deepened(shallow, 2).network.state_dict()
+    for name, weight in mean.network.state_dict().items():
+        torch.testing.assert_close(weight, before[name] + 0.25)
+
+    with pytest.raises(ConfigError, match=r"deep\.gguf has another size .*--layers if they differ"):
+        read_origins(paths)
 
 
 def test_dialogues_of_the_user_are_mixed_in(tmp_path: Path) -> None:
