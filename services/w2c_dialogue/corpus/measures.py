@@ -5,16 +5,15 @@ A body is not measured: each measure has one length, told in docs/explanation/co
 
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.things import meanings, names
+from w2c_dialogue.prompts.numerals import VALUES
 
-NUMBER_WORDS = dict(
-    meanings("""
-1: one | 2: two, a couple of | 3: three, a few | 4: four | 5: five | 6: six | 7: seven | 8: eight |
-9: nine | 10: ten | 11: eleven | 12: twelve | 13: thirteen | 14: fourteen | 15: fifteen |
-16: sixteen | 17: seventeen | 18: eighteen | 19: nineteen | 20: twenty | 30: thirty | 40: forty |
-50: fifty | 60: sixty | 70: seventy | 80: eighty | 90: ninety | 100: a hundred, one hundred |
-0.5: half a
-""")
-)
+NUMBER_WORDS = {word: str(value) for word, value in VALUES.items() if value} | {
+    "a couple of": "2",
+    "a few": "3",
+    "a hundred": "100",
+    "one hundred": "100",
+    "half a": "0.5",
+}
 SINGLE = meanings("""
 1*cm: a centimeter, a centimetre, one cm, a cm | 2.54*1*cm: an inch, one inch, a inch | 1: a pixel,
 one pixel | 0.1*1*cm: a millimeter, one millimetre | 2.54*0.5*cm: half an inch | 0.5*cm: half a
@@ -24,12 +23,15 @@ centimeter, half a cm | 100*0.5*cm: half a meter, half a metre
 REPAIRED_SHARE = 0.12
 """How often a number is taken back for another while it is said"""
 UNITS: tuple[tuple[int, tuple[str, ...], str], ...] = (
-    (5, ("cm", "cm", "centimeters", "centimetres", "centimeter", "cms"), "{}*cm"),
-    (1, ("mm", "millimeters", "millimetres"), "0.1*{}*cm"),
-    (1, ("inches", "inch"), "2.54*{}*cm"),
-    (3, ("pixels", "px", "pixel", "pixels"), "{}"),
+    (10, ("cm", "cm", "centimeters", "centimetres", "centimeter", "cms"), "{}*cm"),
+    (2, ("mm", "millimeters", "millimetres"), "0.1*{}*cm"),
+    (2, ("inches", "inch"), "2.54*{}*cm"),
+    (1, ("meters", "metres", "meter", "metre", "m"), "100*{}*cm"),
+    (6, ("pixels", "px", "pixel", "pixels"), "{}"),
 )
 """How often, words, and the expression of so many; `cm` is the scale of the scene"""
+_FRACTIONS = ("0.25", "0.75", "0.5", "1.5", "2.5")
+"""What a quarter of a unit or one and a half of them are, once they are digits"""
 BODY = {
     "finger": "2*{}*cm",
     "thumb": "2.5*{}*cm",
@@ -106,8 +108,10 @@ def number(draw: Draw) -> tuple[str, str]:
     if draw.chance(0.35):
         word = draw.pick(tuple(NUMBER_WORDS))
         return word, NUMBER_WORDS[word]
-    if draw.chance(0.1):
-        digits = f"{draw.below(20)}.{1 + draw.below(9)}"
+    if draw.chance(0.15):
+        digits = (
+            draw.pick(_FRACTIONS) if draw.chance(0.4) else f"{draw.below(20)}.{1 + draw.below(9)}"
+        )
         return digits.replace(".", draw.pick((".", ".", ".", ","))), digits
     digits = str(1 + draw.below(30) if draw.chance(0.7) else 5 * (1 + draw.below(60)))
     return digits, digits

@@ -27,6 +27,7 @@ from w2c_dialogue.prompts.base import (
 )
 from w2c_dialogue.prompts.bound import arithmetic_of, numbers_of
 from w2c_dialogue.prompts.limb_words import named_limb
+from w2c_dialogue.prompts.numerals import in_digits, with_digits
 from w2c_dialogue.prompts.spans import spans_schema
 from w2c_dialogue.utterance import Mention, Span, Utterance
 
@@ -93,7 +94,7 @@ class EmbeddedPrompts:
     ) -> Question:
         """Ask for a point relative to the objects. The scale is a symbol, so it is not shown."""
         boxes = [o.box for o in objects]
-        content = f"{describe_boxes(boxes)}\n{utterance.with_letters([m.span for m in mentions])}"
+        content = f"{describe_boxes(boxes)}\n{_lettered(utterance, mentions)}"
         schema = self._point_schema(object_symbols(boxes, pixels_per_cm), utterance)
         return Question("relative", _messages("relative", content), 1, schema)
 
@@ -104,14 +105,14 @@ class EmbeddedPrompts:
         known = describe_moves(scene.moves)
         if scene.objects:
             known += f", {describe_boxes([o.box for o in scene.objects])}"
-        content = f"{known}\n{utterance.with_letters([m.span for m in mentions])}"
+        content = f"{known}\n{_lettered(utterance, mentions)}"
         named = replace(scene, moves=scene.moves[-NAMED_MOVES:])
         schema = self._point_schema(correction_symbols(named), utterance)
         return Question("correct", _messages("correct", content), 1, schema)
 
     def parts(self, utterance: Utterance) -> tuple[Utterance, ...]:
         """Return each direction with its amount: asked for both, the model mixes them up."""
-        return two_ways.parts(utterance)
+        return two_ways.parts(with_digits(utterance))
 
     def effector(self, utterance: Utterance) -> Question:
         """Ask for end effector and task."""
@@ -130,6 +131,11 @@ class EmbeddedPrompts:
         if self._bound:
             expression = arithmetic_of(symbols, numbers_of(utterance))
         return schema_of({"x": expression, "y": expression})
+
+
+def _lettered(utterance: Utterance, mentions: Sequence[Mention]) -> str:
+    """Return the words with letters for objects and digits for numbers of several words."""
+    return " ".join(in_digits(utterance.with_letters([m.span for m in mentions]).split()))
 
 
 def describe_boxes(boxes: Sequence[Box]) -> str:

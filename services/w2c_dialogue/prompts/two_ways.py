@@ -1,10 +1,11 @@
 """A correction by two amounts, cut in two: `down two cm | left three cm`.
 
 A small model follows one amount and mixes up two. Where one word of left and right, one of up and
-down, and one joint between them stand in the correction, closed classes tell which amount goes
-which way: the model is asked for each part. Whatever else is said is left to the model.
+down (or, of engineers, u and v), and one joint between them stand in the correction, closed classes
+tell which amount goes which way: the model is asked for each part. All else is left to the model.
 """
 
+from w2c_dialogue.prompts.numerals import UNITS, VALUES
 from w2c_dialogue.utterance import Utterance
 
 _ACROSS = frozenset({"left", "leftward", "leftwards", "right", "rightward", "rightwards"})
@@ -12,26 +13,12 @@ _ALONG = frozenset(
     {"down", "downward", "downwards", "higher", "lower", "up", "upward", "upwards"}
 )  # fmt: skip
 _JOINTS = frozenset({"&", "+", "also", "and", "but", "just", "n", "only", "plus", "then", "with"})
-_NUMBERS = frozenset(
-    {
-        "couple", "eight", "eighteen", "eighty", "eleven", "fifteen", "fifty", "five", "forty",
-        "four", "fourteen", "half", "hundred", "nine", "nineteen", "ninety", "one", "quarter",
-        "seven", "seventeen", "seventy", "six", "sixteen", "sixty", "ten", "thirteen", "thirty",
-        "three", "twelve", "twenty", "two",
-    }
-)  # fmt: skip
+_NUMBERS = frozenset(VALUES) | {"couple", "half", "hundred", "quarter"}
 _AMOUNTS = _NUMBERS | {
     "bit", "far", "fraction", "hair", "heaps", "inch", "lil", "little", "loads", "lot",
     "marginally", "notch", "slightly", "smidge", "smidgen", "somewhat", "step", "steps",
     "tad", "ton", "tons", "touch", "way", "whisker",
 }  # fmt: skip
-_UNITS = frozenset(
-    {
-        "centimeter", "centimeters", "centimetre", "centimetres", "cm", "cms", "feet", "finger",
-        "fingers", "foot", "inch", "inches", "millimeter", "millimeters", "millimetre",
-        "millimetres", "mm", "pixel", "pixels", "px", "step", "steps", "thumb", "thumbs",
-    }
-)  # fmt: skip
 _MORE_THAN_TWO_WAYS = frozenset(
     {
         "again", "as", "back", "before", "both", "double", "each", "except", "instead", "last",
@@ -51,9 +38,9 @@ def parts(utterance: Utterance) -> tuple[Utterance, ...]:
     without a unit has that of the other part: `3 cm up, 7 left`.
     """
     words = [word.rstrip(",") for word in utterance.folded]
-    across, along = (
-        [at for at, word in enumerate(words) if word in ways] for ways in (_ACROSS, _ALONG)
-    )
+    across, along = _places(words, _ACROSS, _ALONG)
+    if not across and not along:
+        across, along = _places(words, frozenset("u"), frozenset("v"))
     if len(across) != 1 or len(along) != 1 or not _MORE_THAN_TWO_WAYS.isdisjoint(words):
         return (utterance,)
     cut = _joint(utterance, *sorted((across[0], along[0])))
@@ -64,6 +51,14 @@ def parts(utterance: Utterance) -> tuple[Utterance, ...]:
         return (utterance,)
     first, second = _slice(utterance, 0, cut[0]), _slice(utterance, cut[1], len(words))
     return _with_unit(first, other), _with_unit(second, one)
+
+
+def _places(
+    words: list[str], across: frozenset[str], along: frozenset[str]
+) -> tuple[list[int], list[int]]:
+    """Return where words of either stand."""
+    one, other = ([at for at, word in enumerate(words) if word in ways] for ways in (across, along))
+    return one, other
 
 
 def _joint(utterance: Utterance, first: int, last: int) -> tuple[int, int] | None:
@@ -88,8 +83,8 @@ def _has_amount(words: list[str]) -> bool:
 def _with_unit(part: Utterance, other: list[str]) -> Utterance:
     """Return a part with the unit of the other, where its own number has none."""
     words = [word.rstrip(",") for word in part.folded]
-    numbers = [at for at, word in enumerate(words) if word in _NUMBERS or word.isdigit()]
-    units = [unit for word in other if (unit := word.lstrip("0123456789.")) in _UNITS]
+    numbers = [at for at, word in enumerate(words) if word in _NUMBERS or _is_number(word)]
+    units = [unit for word in other if (unit := word.lstrip("0123456789.")) in UNITS]
     if not numbers or not units or _has_unit(words):
         return part
     after = numbers[-1] + 1
@@ -101,8 +96,12 @@ def _with_unit(part: Utterance, other: list[str]) -> Utterance:
 
 def _has_unit(words: list[str]) -> bool:
     """Tell whether a number has its unit, beside it or glued to it: `3cm`; or is no length."""
-    glued = any(word[:1].isdigit() and not word.replace(".", "").isdigit() for word in words)
-    return glued or not (_UNITS | _AMOUNTS - _NUMBERS).isdisjoint(words)
+    glued = any(word[:1].isdigit() and not _is_number(word) for word in words)
+    return glued or not (UNITS | _AMOUNTS - _NUMBERS).isdisjoint(words)
+
+
+def _is_number(word: str) -> bool:
+    return word.replace(".", "", 1).isdigit()
 
 
 def _slice(utterance: Utterance, first: int, end: int) -> Utterance:

@@ -2,6 +2,10 @@
 
 The corpus has fewer written lines than the network has room for; what is learned by heart of them
 is no use for sentences of others. (Srivastava et al., JMLR 2014.)
+
+A channel is left out of a whole sentence, not of one word at a time (Gal and Ghahramani, NeurIPS
+2016): what its neighbours carry does not give it away. Nor do random numbers take a seventh of a
+step, which one for each word did.
 """
 
 from typing import Any
@@ -38,5 +42,6 @@ class Dropout:
     def _drop(self, block: torch.nn.Module, _: Any, output: torch.Tensor) -> torch.Tensor:
         if not block.training:
             return output
-        mask = torch.empty_like(output).bernoulli_(self._kept, generator=self._generator)
+        mask = torch.empty_like(output[:, :1])
+        mask.bernoulli_(self._kept, generator=self._generator)
         return output * mask.div_(self._kept)

@@ -33,6 +33,8 @@ def said(text: str) -> list[str]:
         ("a lil lower n exactly 2cm left", ["a lil lower", "exactly 2cm left"]),
         ("up 3 steps and two to the right", ["up 3 steps", "two steps to the right"]),
         ("a bit up, 2 px left", ["a bit up", "2 px left"]),
+        ("Add +35 px in u and -20 px in v.", ["add +35 px in u", "-20 px in v"]),
+        ("can u go 3 cm up and 2 left", ["can u go 3 cm up", "2 cm left"]),
     ],
 )
 def test_each_part_has_its_direction_and_amount(text: str, expected: list[str]) -> None:
@@ -51,6 +53,7 @@ def test_each_part_has_its_direction_and_amount(text: str, expected: list[str]) 
         pytest.param("right, a bit up", id="an interjection"),
         pytest.param("two cm left and one and a half up", id="a joint too many"),
         pytest.param("2 cm left 3 cm up", id="no joint"),
+        pytest.param("20 px in u", id="one axis of the picture"),
         pytest.param("left 2 cm and then up as before", id="an earlier move"),
         pytest.param("too far left and 2 cm too low, so up", id="a complaint"),
     ],

@@ -1,0 +1,55 @@
+"""The sentences that judge the language model are not in the corpus that trains it.
+
+Short ones are ("half of that back"): there are few ways to say them. A whole sentence of five words,
+or a description of a thing that long, is one that somebody has read.
+"""
+
+import re
+from typing import get_args
+
+import msgspec
+
+from w2c_dialogue.corpus.written_lines import THING, Kind, lines
+from w2c_evaluation.understanding.commands import read_questions
+
+TOO_LONG_FOR_CHANCE = 5
+"""Words"""
+
+
+class Said(msgspec.Struct, frozen=True):
+    text: str = ""
+    turns: list[str] = []
+
+
+def words(text: str) -> str:
+    """Return a text without case and punctuation, between spaces."""
+    return f" {' '.join(re.sub(r'[^a-z0-9 ]+', ' ', text.lower()).split())} "
+
+
+def judging() -> set[str]:
+    said = (msgspec.json.decode(line, type=Said) for line in read_questions([]))
+    return {words(text) for one in said for text in (one.text, *one.turns)}
+
+
+def read_before(sentence: str, things: list[str], known: set[str]) -> bool:
+    """Tell whether a sentence, or one of its things, stands in the known ones."""
+    if len(sentence.split()) >= TOO_LONG_FOR_CHANCE and words(sentence) in known:
+        return True
+    long = [words(name) for name in things if len(name.split()) >= TOO_LONG_FOR_CHANCE]
+    return any(name in text for name in long for text in known)
+
+
+def test_no_sentence_and_no_description_is_in_both() -> None:
+    known = judging()
+    written = [line.text for kind in get_args(Kind) for line in lines(kind)]
+
+    assert len(written) > 10_000
+    assert [text for text in written if read_before(text, THING.findall(text), known)] == []
+
+
+def test_what_is_in_both_is_found() -> None:
+    known = {words("Sit on the bench where the old men play chess, robot.")}
+
+    assert read_before("sit on the [bench], on the bench where the", ["bench where the old men"], known)
+    assert read_before("sit on the bench where the old men play chess robot!", [], known)
+    assert not read_before("sit on the bench", ["bench"], known)
