@@ -65,8 +65,23 @@ def test_all_else_stays(text: str) -> None:
     assert digits(text) == text
 
 
-@given(st.lists(st.sampled_from([*VALUES, "a", "and", "half", "hundred", "quarter", "of", "inch",
-                                 "3", "1/2", "left,", "five,"]), min_size=1, max_size=8))  # fmt: skip
+WORDS = (
+    *VALUES,
+    "a",
+    "and",
+    "half",
+    "hundred",
+    "quarter",
+    "of",
+    "inch",
+    "3",
+    "1/2",
+    "left,",
+    "five,",
+)
+
+
+@given(st.lists(st.sampled_from(WORDS), min_size=1, max_size=8))
 def test_words_that_are_no_numbers_are_never_lost(words: list[str]) -> None:
     assert [word for word in in_digits(words) if word == "left,"] == [
         word for word in words if word == "left,"

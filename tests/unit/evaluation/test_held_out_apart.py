@@ -1,7 +1,7 @@
 """The sentences that judge the language model are not in the corpus that trains it.
 
-Short ones are ("half of that back"): there are few ways to say them. A whole sentence of five words,
-or a description of a thing that long, is one that somebody has read.
+Short ones are ("half of that back"): there are few ways to say them. A whole sentence of five
+words, or a description of a thing that long, is one that somebody has read.
 """
 
 import re
@@ -50,6 +50,6 @@ def test_no_sentence_and_no_description_is_in_both() -> None:
 def test_what_is_in_both_is_found() -> None:
     known = {words("Sit on the bench where the old men play chess, robot.")}
 
-    assert read_before("sit on the [bench], on the bench where the", ["bench where the old men"], known)
+    assert read_before("lean on the [bench where the old men]", ["bench where the old men"], known)
     assert read_before("sit on the bench where the old men play chess robot!", [], known)
     assert not read_before("sit on the bench", ["bench"], known)
