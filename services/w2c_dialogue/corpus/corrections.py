@@ -15,6 +15,7 @@ from w2c_dialogue.corpus.exact_moves import (
     towards,
     two_amounts,
     two_lengths,
+    two_ways,
 )
 from w2c_dialogue.corpus.measures import body_length, distance
 from w2c_dialogue.corpus.phrases import article, phrase
@@ -51,8 +52,8 @@ def _by_body(draw: Draw) -> Correction:
 
 
 def _diagonal(draw: Draw) -> Correction:
-    across, along = draw.pick(("left", "right")), draw.pick(("up", "down"))
-    first, second = (across, along) if draw.chance(0.5) else (along, across)
+    first, second = two_ways(draw)
+    across, along = (first, second) if first in ("left", "right") else (second, first)
     if draw.chance(0.4):
         said, size = step(draw)
         joined = draw.pick(

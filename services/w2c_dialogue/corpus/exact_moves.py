@@ -12,8 +12,8 @@ from w2c_dialogue.corpus.steering import WAYS, Correction, finish, term
 
 def two_amounts(draw: Draw) -> Correction:
     """Go two ways, by two amounts that differ: `a lot left and a smidge up`."""
-    ways = _two_ways(draw)
-    steps = {size: listed if size != "40" else ("",) for size, listed, _ in words.STEPS}
+    ways = two_ways(draw)
+    steps = {size: listed if size != "40" else ("",) for _, (size, listed) in words.STEPS}
     sizes: dict[str, str] = {}
     said = []
     for way in ways:
@@ -29,7 +29,7 @@ def two_amounts(draw: Draw) -> Correction:
 
 def two_lengths(draw: Draw) -> Correction:
     """Go two ways by lengths: `3 cm left, 2 cm up`, `three cm left and two up`, `2 cm each`."""
-    ways = _two_ways(draw)
+    ways = two_ways(draw)
     roll = draw.uniform()
     if roll < 0.5:
         lengths = [distance(draw) for _ in ways]
@@ -104,7 +104,8 @@ def along_axis(draw: Draw) -> Correction:
     return Correction(draft, x, y)
 
 
-def _two_ways(draw: Draw) -> tuple[str, str]:
+def two_ways(draw: Draw) -> tuple[str, str]:
+    """Return a way across and one along the picture, in either order."""
     across, along = draw.pick(("left", "right")), draw.pick(("up", "down"))
     return (across, along) if draw.chance(0.5) else (along, across)
 

@@ -27,19 +27,19 @@ from w2c_dialogue.utterance import Mention, Utterance
 PROMPTS = EmbeddedPrompts(bound=False)
 """The same questions; the schemas of bound answers would take most of the time."""
 SHARES = (
-    ("select", 0.12),
-    ("analyze", 0.30),
-    ("objects", 0.07),
-    ("relative", 0.16),
-    ("correct", 0.27),
-    ("effector", 0.08),
+    (0.18, "select"),
+    (0.28, "analyze"),
+    (0.07, "objects"),
+    (0.14, "relative"),
+    (0.25, "correct"),
 )
-"""How often each task; pointing at words and binding amounts are the hardest, choosing the easiest.
-"""
+"""How often each task; the rest are effectors. Pointing and binding amounts are hardest."""
 PLAIN_SHARE = 0.45
 """How many instructions are in few words and without slips."""
 WRITTEN_SHARE = 0.5
 """How many sentences follow one that was written by hand; the others are drawn from grammar."""
+WRITTEN_CHOICES = 0.7
+"""The same, where a module is chosen: what a yes is like, no grammar tells"""
 WIDTH, HEIGHT = 1280.0, 720.0
 
 
@@ -55,14 +55,7 @@ def examples(generator: np.random.Generator, count: int, *, held_out: bool) -> I
     """Yield lines. Held-out lines use entries of the word lists that training lines never use."""
     draw = Draw(generator, held_out=held_out)
     for _ in range(count):
-        roll = draw.uniform()
-        task = SHARES[-1][0]
-        for name, share in SHARES:
-            if roll < share:
-                task = name
-                break
-            roll -= share
-        yield _MAKERS[task](draw)
+        yield _MAKERS[draw.by_share(SHARES, "effector")](draw)
 
 
 def answer_text(value: dict[str, Any]) -> str:
@@ -103,7 +96,7 @@ def _may_be_named(utterance: Utterance, mentions: Sequence[Mention]) -> bool:
 
 def _select(draw: Draw) -> Example:
     module = draw.pick(MODULES)
-    if draw.chance(WRITTEN_SHARE):
+    if draw.chance(WRITTEN_CHOICES):
         utterance, _ = _cut(written_words(draw, KIND_OF_MODULE[module]), draw)
     elif module == "prediction":
         vague = draw.chance(0.04)

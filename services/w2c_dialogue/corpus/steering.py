@@ -31,12 +31,8 @@ def term(symbol: str, sign: int, size: str) -> str:
 
 def step(draw: Draw) -> tuple[str, str]:
     """Return words of a size and its pixels."""
-    roll = draw.uniform()
-    for size, listed, share in words.STEPS:
-        if roll < share:
-            return draw.pick(listed), size
-        roll -= share
-    return "", "40"
+    size, listed = draw.by_share(words.STEPS, ("40", ("",)))
+    return draw.pick(listed), size
 
 
 def sized_direction(draw: Draw, way: str) -> tuple[str, str]:

@@ -74,8 +74,8 @@ def correction_of(line: Line, draw: Draw) -> Correction:
 
 
 def written_words(draw: Draw, kind: Kind) -> Draft:
-    """Return an utterance of a kind, whatever it means."""
-    return _draft(vary(draw.pick(lines(kind)), draw)[1], draw)
+    """Return an utterance that tells its kind, whatever else it means."""
+    return _draft(vary(draw.pick(_telling(kind)), draw)[1], draw)
 
 
 def vary(line: Line, draw: Draw) -> tuple[str, str]:
@@ -102,6 +102,11 @@ def _swapped(sides: re.Pattern[str], text: str) -> str:
         return swapped.title() if word[0].isupper() else swapped
 
     return sides.sub(other, text)
+
+
+@cache
+def _telling(kind: Kind) -> tuple[Line, ...]:
+    return tuple(line for line in lines(kind) if line.tells)
 
 
 @cache

@@ -20,7 +20,9 @@ KIND_OF_MODULE: dict[str, Kind] = {
     "correction": "corrections",
     "confirmation": "confirmations",
 }
-NOT_MIRRORED = "!"
+NOT_MIRRORED, NOT_CHOSEN_BY = "!", "?"
+"""Flags before a meaning: left and right stay; the words alone don't tell which module they are for
+"""
 THING = re.compile(r"\[([^\[\]]+)\]")
 SLOT = re.compile(r"\{([^{}]+)\}")
 SIDE_WORDS = re.compile(r"(?<![a-z])(left|right)", re.IGNORECASE)
@@ -42,6 +44,8 @@ class Line:
     text: str
     mirrors: bool
     """Whether left and right may be exchanged"""
+    tells: bool = True
+    """Whether the words alone tell the module: "left of the iron, then" may be a new place too"""
 
     def __str__(self) -> str:
         """Return the utterance: what decides whether the line is kept from training."""
@@ -68,8 +72,8 @@ def read_line(kind: Kind, text: str) -> Iterator[Line]:
     meaning, bar, utterance = (part.strip() for part in text.partition("|"))
     if not (bar and utterance):
         raise ConfigError(f"'{text}' is not `meaning | utterance`")
-    keeps = meaning.startswith(NOT_MIRRORED)
-    meaning = meaning.removeprefix(NOT_MIRRORED).strip()
+    words = meaning.lstrip(NOT_MIRRORED + NOT_CHOSEN_BY)
+    flags, meaning = meaning.removesuffix(words), words.strip()
     if kind == "dialogues":
         letters, turns = meaning.split(), [turn.strip() for turn in utterance.split(" / ")]
         if len(letters) != len(turns) or not set(letters) <= set(TURN_KINDS):
@@ -77,8 +81,9 @@ def read_line(kind: Kind, text: str) -> Iterator[Line]:
         for letter, turn in zip(letters, turns, strict=True):
             yield Line(TURN_KINDS[letter], "", turn, mirrors=False)
         return
-    mirrors = not keeps and bool(SIDE_WORDS.search(utterance)) and not _ADVERB.search(utterance)
-    line = Line(kind, meaning, utterance, mirrors)
+    sides = bool(SIDE_WORDS.search(utterance)) and not _ADVERB.search(utterance)
+    mirrors, tells = sides and NOT_MIRRORED not in flags, NOT_CHOSEN_BY not in flags
+    line = Line(kind, meaning, utterance, mirrors, tells)
     _check(line)
     yield line
 

@@ -166,8 +166,8 @@ RELATIVE_EXAMPLES: Examples = (
 CORRECT = (
     f"{PICTURE} A target point is shown, and the operator corrects it. Work out the new point. "
     "Without a size a step is 40 "
-    "pixels, 'a tiny bit' 10, 'a bit' 20, 'a lot' 100; 'closer to' a thing is half of the way to "
-    "its centre, 'a bit closer' a quarter, 'much closer' three quarters. "
+    "pixels, 'a tiny bit' 10, 'a bit' 20, 'a lot' 100; 'closer to' a thing is 0.4 of the way to "
+    "its centre, 'a tad closer' 0.1, 'a bit closer' 0.2, 'much closer' 0.7, and so is 'away from'. "
     "Earlier corrections are listed oldest first; 'twice as much' or 'again' "
     "repeats the last one from the present target, 'back' or 'undo' subtracts it. Someone who "
     "only rejects the "
@@ -192,9 +192,9 @@ CORRECT_EXAMPLES: Examples = (
         "Bucket is at [800, 400] with width=100 and height=90.\nTarget is at [600, 300].\n"
         "closer to the bucket",
         {
-            "chain_of_thought": "Half of the way to the centre of the bucket.",
-            "x": "600+0.5*(800-600)",
-            "y": "300+0.5*(400-300)",
+            "chain_of_thought": "0.4 of the way to the centre of the bucket.",
+            "x": "600+0.4*(800-600)",
+            "y": "300+0.4*(400-300)",
         },
     ),
     (

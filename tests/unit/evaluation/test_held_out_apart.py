@@ -1,7 +1,7 @@
 """The sentences that judge the language model are not in the corpus that trains it.
 
-Short ones are ("half of that back"): there are few ways to say them. A whole sentence of five
-words, or a description of a thing that long, is one that somebody has read.
+Short ones are ("half of that back"): there are few ways to say them. A whole sentence of six words,
+or a description of a thing of five, is one that somebody has read.
 """
 
 import re
@@ -12,8 +12,8 @@ import msgspec
 from w2c_dialogue.corpus.written_lines import THING, Kind, lines
 from w2c_evaluation.understanding.commands import read_questions
 
-TOO_LONG_FOR_CHANCE = 5
-"""Words"""
+LONG_SENTENCE, LONG_DESCRIPTION = 6, 5
+"""Words: too many for chance"""
 
 
 class Said(msgspec.Struct, frozen=True):
@@ -33,9 +33,9 @@ def judging() -> set[str]:
 
 def read_before(sentence: str, things: list[str], known: set[str]) -> bool:
     """Tell whether a sentence, or one of its things, stands in the known ones."""
-    if len(sentence.split()) >= TOO_LONG_FOR_CHANCE and words(sentence) in known:
+    if len(sentence.split()) >= LONG_SENTENCE and words(sentence) in known:
         return True
-    long = [words(name) for name in things if len(name.split()) >= TOO_LONG_FOR_CHANCE]
+    long = [words(name) for name in things if len(name.split()) >= LONG_DESCRIPTION]
     return any(name in text for name in long for text in known)
 
 
