@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from w2c.errors import CallError
-from w2c.messages import PhraseEvidence
+from w2c.messages import Box, PhraseEvidence
 from w2c_dialogue.cells import cell_at
 from w2c_dialogue.expressions import ImagePoint
 from w2c_dialogue.heat import hot, inner, nearest
@@ -39,7 +39,7 @@ GROUND = 0.25
 """Share of the picture: what is of one colour and larger is the ground itself, no thing on it"""
 REACH = 0.6
 """As far as a place is moved, as a share of the longer side of the first thing: farther off it is
-another place"""
+another place. Between two things it may go to either of them"""
 
 
 def look_for_surface(grounding: Grounding, frame: Frame) -> npt.NDArray[np.bool_] | None:
@@ -88,9 +88,14 @@ def onto_surface(
     if free is None:
         return point
     size = frame.width, frame.height
-    place = nearest(_on_the_same_side(free, point, objects, size), point, size)
-    box = objects[0].box
-    reach = REACH * max(box.right - box.left, box.bottom - box.top)
+    boxes = [item.box for item in objects]
+    kept = _on_the_same_side(free, point, boxes, size)
+    reach = REACH * max(boxes[0].right - boxes[0].left, boxes[0].bottom - boxes[0].top)
+    gap = _gap(point, *boxes) if len(boxes) == 2 else 0.0
+    if gap > 0.0:
+        kept &= _hull(boxes, kept.shape, size)
+        reach = max(reach, 0.5 * gap)
+    place = nearest(kept, point, size)
     if place is None or math.dist((place.u, place.v), (point.u, point.v)) > reach:
         return point
     return place
@@ -99,12 +104,12 @@ def onto_surface(
 def _on_the_same_side(
     cells: npt.NDArray[np.bool_],
     point: ImagePoint,
-    objects: Sequence[SceneObject],
+    boxes: Sequence[Box],
     size: tuple[int, int],
 ) -> npt.NDArray[np.bool_]:
     """Return those of the cells (h, w) that are on the sides of the things that a point is on."""
     kept = cells.copy()
-    for box in (item.box for item in objects):
+    for box in boxes:
         top, left = cell_at(box.left, box.top, cells.shape, size)
         bottom, right = cell_at(box.right, box.bottom, cells.shape, size)
         # The cell of the point itself is always kept, also where it is the one of the edge.
@@ -117,6 +122,31 @@ def _on_the_same_side(
         elif point.v >= box.bottom:
             kept[:bottom] = False
     return kept
+
+
+def _gap(point: ImagePoint, one: Box, other: Box) -> float:
+    """Return the width of the gap of two boxes that a point is in; 0 outside of it [px].
+
+    They may stand side by side or one above the other.
+    """
+    across = min(one.right, other.right), max(one.left, other.left), point.u
+    along = min(one.bottom, other.bottom), max(one.top, other.top), point.v
+    return max((end - start for start, end, at in (across, along) if start <= at < end), default=0)
+
+
+def _hull(
+    boxes: Sequence[Box], shape: tuple[int, ...], size: tuple[int, int]
+) -> npt.NDArray[np.bool_]:
+    """Return the cells (h, w) of the smallest convex area around boxes [px]."""
+    corners = [
+        cell_at(u, v, shape, size)[::-1]
+        for box in boxes
+        for u in (box.left, box.right)
+        for v in (box.top, box.bottom)
+    ]
+    area = np.zeros(shape, np.uint8)
+    cv2.fillConvexPoly(area, cv2.convexHull(np.array(corners, np.int32)), 1)
+    return area > 0
 
 
 def _free_places(grounding: Grounding, frame: Frame) -> npt.NDArray[np.bool_] | None:
