@@ -31,8 +31,9 @@ _AND = frozenset({"&", "and", "n"})
 _ONE = frozenset({"a", "an", "one"})
 _SIGN_AND_DIGITS = re.compile(r"[+-]?[0-9]{1,4}(?:\.[0-9]{1,3})?")
 _FRACTION = re.compile(r"([0-9]{1,2})/([0-9]{1,2})")
-_SPELLED_BY_SOLDIERS = 2
-"""Digits at least that are said one by one, the last a nought or a five: `two zero`, `one five`"""
+_ONE_BY_ONE = range(2, 4)
+"""How many digits are said one by one, the last a nought or a five: `two zero`, `one five`. "Two
+three" may be two or three"""
 
 
 def in_digits(words: Sequence[str]) -> list[str]:
@@ -142,7 +143,7 @@ def _one_by_one(words: Sequence[str], at: int) -> tuple[float, int] | None:
         end += 1
         if words[end - 1].endswith(","):
             break
-    if _SPELLED_BY_SOLDIERS <= len(digits) <= 3 and digits[-1] in "05" and digits[0] != "0":
+    if len(digits) in _ONE_BY_ONE and digits[-1] in "05" and digits[0] != "0":
         return float(digits), end
     return None
 

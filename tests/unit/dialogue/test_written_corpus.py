@@ -253,3 +253,25 @@ def test_what_is_named_twice_keeps_its_name() -> None:
     for seed in range(30):
         said = " ".join(written.instruction_of(line, draw(seed)).draft.words)
         assert said == text.replace("[", "").replace("]", "")
+
+
+@pytest.mark.parametrize(
+    ("flags", "mirrors", "tells"),
+    [("", True, True), ("! ", False, True), ("? ", True, False), ("!? ", False, False)],
+)
+def test_flags_say_what_a_line_is_not_for(flags: str, *, mirrors: bool, tells: bool) -> None:
+    (line,) = written_lines.read_line("corrections", f"{flags}place left(A) | left of the [cup]")
+
+    assert (line.meaning, line.mirrors, line.tells) == ("place left(A)", mirrors, tells)
+
+
+def test_lines_whose_words_alone_tell_no_module_choose_none() -> None:
+    source = draw()
+    silent = {line.text for line in written_lines.lines("corrections") if not line.tells}
+    assert len(silent) > 500
+
+    drawn = {" ".join(written.written_words(source, "corrections").words) for _ in range(3000)}
+    plain = {re.sub(r"[\[\]{}<>]", "", text) for text in silent}
+    moved = {" ".join(written.written_correction(source).draft.words) for _ in range(3000)}
+    assert not drawn & plain
+    assert moved & plain
