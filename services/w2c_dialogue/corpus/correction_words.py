@@ -185,21 +185,21 @@ CLOSER = meanings("""
 0.4: closer to, closer to, nearer to, towards, toward, more towards, nearer, in the direction of,
 closer in to, over towards, more in the direction of | 0.5: halfway to, halfway to, half way to,
 halfway towards, half the way to, midway to, half of the way to, halfway between here and, half the
-distance to | 0.2: a bit closer to, a little closer to, a bit towards, slightly closer to, a bit
+distance to | 20px: a bit closer to, a little closer to, a bit towards, slightly closer to, a bit
 nearer to, a bit nearer, slightly towards, a little nearer, a bit more towards, a little towards |
-0.1: a touch closer to, a tad closer to, a hair closer to, a smidge nearer, just a tad towards, a
+10px: a touch closer to, a tad closer to, a hair closer to, a smidge nearer, just a tad towards, a
 tiny bit nearer to, a whisker closer to | 0.25: a quarter of the way to | 0.7: much closer to, a lot
 closer to, much nearer, a lot nearer to, way closer to, a good deal nearer | 0.75: three quarters of
 the way to | 0.8: almost up to, nearly up to, almost all the way to | 0.33: a third of the way to, a
 third of the way towards, one third of the way to | 0.67: two thirds of the way to, two thirds of
 the way towards
 """)
-"""Which part of the way to an object."""
+"""Which part of the way to an object, or how far along it."""
 AWAY = meanings("""
-0.4: away from, further away from, farther from, further from, away from, off, clear of | 0.2: a bit
-away from, a bit further from, a little away from, less close to, slightly further from, a bit off |
-0.1: a touch further from, a hair away from, a tad further off, a smidge away from | 0.7: far away
-from, much further from, a lot further from, way off, well away from
+40px: away from, further away from, farther from, further from, away from, off, clear of | 20px: a
+bit away from, a bit further from, a little away from, less close to, slightly further from, a bit
+off | 10px: a touch further from, a hair away from, a tad further off, a smidge away from | 100px:
+far away from, much further from, a lot further from, way off, well away from
 """)
 ONTO = names("""
 onto, on, on top of, to the center of, to the middle of, to, in the middle of, to the centre of, all

@@ -120,14 +120,25 @@ def _object(draw: Draw) -> Correction:
 
 
 def _closer(draw: Draw, a: str, things: dict[str, str]) -> Correction:
-    said, share = draw.pick(words.CLOSER)
-    x, y = f"target.u+{share}*(a.u-target.u)", f"target.v+{share}*(a.v-target.v)"
-    return Correction(finish(draw, f"{said} {a}", things), x, y)
+    return _along_the_way(draw, a, things, draw.pick(words.CLOSER), "+")
 
 
 def _away(draw: Draw, a: str, things: dict[str, str]) -> Correction:
-    said, share = draw.pick(words.AWAY)
-    x, y = f"target.u-{share}*(a.u-target.u)", f"target.v-{share}*(a.v-target.v)"
+    return _along_the_way(draw, a, things, draw.pick(words.AWAY), "-")
+
+
+def _along_the_way(
+    draw: Draw, a: str, things: dict[str, str], meant: tuple[str, str], sign: str
+) -> Correction:
+    """Go a share of the way to an object, or so many pixels along it."""
+    said, size = meant
+    length = size.removesuffix("px")
+    x, y = (
+        f"target.{axis}{sign}{size}*(a.{axis}-target.{axis})"
+        if length == size
+        else f"target.{axis}{sign}{length}*a.way.{axis}"
+        for axis in "uv"
+    )
     return Correction(finish(draw, f"{said} {a}", things), x, y)
 
 

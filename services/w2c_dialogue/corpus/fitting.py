@@ -24,7 +24,7 @@ CLOSE = 3.0
 APART = 6.0
 """...and by no other of which some comes this near: the person may not have been exact [px]"""
 _SIZES = (locations.CLOSE, locations.USUAL, locations.DISTANT)
-_SHARES = ("0.1", "0.2", "0.25", "0.4", "0.5", "0.7", "0.75")
+_SHARES = ("0.25", "0.4", "0.5", "0.7", "0.75")
 _TIMES = ("0.5", "", "1.5", "2", "3")
 
 
