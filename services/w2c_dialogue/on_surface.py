@@ -91,10 +91,12 @@ def onto_surface(
     boxes = [item.box for item in objects]
     kept = _on_the_same_side(free, point, boxes, size)
     reach = REACH * max(boxes[0].right - boxes[0].left, boxes[0].bottom - boxes[0].top)
-    gap = _gap(point, *boxes) if len(boxes) == 2 else 0.0
-    if gap > 0.0:
-        kept &= _hull(boxes, kept.shape, size)
-        reach = max(reach, 0.5 * gap)
+    if len(boxes) == 2:
+        gap, hull = _gap(point, *boxes), _hull(boxes, kept.shape, size)
+        # "Between them, but a little behind" is outside.
+        if gap > 0.0 and hull[cell_at(point.u, point.v, hull.shape, size)]:
+            kept &= hull
+            reach = max(reach, 0.5 * gap)
     place = nearest(kept, point, size)
     if place is None or math.dist((place.u, place.v), (point.u, point.v)) > reach:
         return point

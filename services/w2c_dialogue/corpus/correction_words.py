@@ -21,13 +21,10 @@ a lot, a lot more, much, much more, way, far, a great deal, much further, way mo
 a big step, a good deal, significantly, way further, quite a lot, a whole lot, a lot, quite a bit, a
 good bit, loads, heaps, tons, miles, substantially, drastically, massively, a huge step, a big chunk
 """)
-STEPS = (
-    (0.08, ("10", TINY)),
-    (0.32, ("20", SMALL)),
-    (0.45, ("40", PLAIN)),
-    (0.15, ("100", LARGE)),
-)
+STEPS = ((0.08, ("10", TINY)), (0.32, ("20", SMALL)), (0.15, ("100", LARGE)))
 """How often; pixels and words"""
+STEP = ("40", PLAIN)
+"""The same of the rest"""
 TO = {
     "left": names("""
 left, to the left, to the left, leftwards, leftward, to your left, towards the left, on the left,
@@ -182,24 +179,25 @@ times as much {}
 """)
 """A direction with the size of the last move, times a factor."""
 CLOSER = meanings("""
-0.4: closer to, closer to, nearer to, towards, toward, more towards, nearer, in the direction of,
-closer in to, over towards, more in the direction of | 0.5: halfway to, halfway to, half way to,
-halfway towards, half the way to, midway to, half of the way to, halfway between here and, half the
-distance to | 20px: a bit closer to, a little closer to, a bit towards, slightly closer to, a bit
-nearer to, a bit nearer, slightly towards, a little nearer, a bit more towards, a little towards |
-10px: a touch closer to, a tad closer to, a hair closer to, a smidge nearer, just a tad towards, a
-tiny bit nearer to, a whisker closer to | 0.25: a quarter of the way to | 0.7: much closer to, a lot
-closer to, much nearer, a lot nearer to, way closer to, a good deal nearer | 0.75: three quarters of
-the way to | 0.8: almost up to, nearly up to, almost all the way to | 0.33: a third of the way to, a
-third of the way towards, one third of the way to | 0.67: two thirds of the way to, two thirds of
+closer A 0.4: closer to, closer to, nearer to, towards, toward, more towards, nearer, in the
+direction of, closer in to, over towards, more in the direction of | closer A 0.5: halfway to,
+halfway to, half way to, halfway towards, half the way to, midway to, half of the way to, halfway
+between here and, half the distance to | towards A bit: a bit closer to, a little closer to, a bit
+towards, slightly closer to, a bit nearer to, a bit nearer, slightly towards, a little nearer, a bit
+more towards, a little towards | towards A tiny: a touch closer to, a tad closer to, a hair closer
+to, a smidge nearer, just a tad towards, a tiny bit nearer to, a whisker closer to | closer A 0.25:
+a quarter of the way to | closer A 0.7: much closer to, a lot closer to, much nearer, a lot nearer
+to, way closer to, a good deal nearer | closer A 0.75: three quarters of the way to | closer A 0.8:
+almost up to, nearly up to, almost all the way to | closer A 0.33: a third of the way to, a third of
+the way towards, one third of the way to | closer A 0.67: two thirds of the way to, two thirds of
 the way towards
 """)
-"""Which part of the way to an object, or how far along it."""
+"""How far along the line to an object, as `moves` reads it"""
 AWAY = meanings("""
-40px: away from, further away from, farther from, further from, away from, off, clear of | 20px: a
-bit away from, a bit further from, a little away from, less close to, slightly further from, a bit
-off | 10px: a touch further from, a hair away from, a tad further off, a smidge away from | 100px:
-far away from, much further from, a lot further from, way off, well away from
+off A step: away from, further away from, farther from, further from, away from, off, clear of | off
+A bit: a bit away from, a bit further from, a little away from, less close to, slightly further
+from, a bit off | off A tiny: a touch further from, a hair away from, a tad further off, a smidge
+away from | off A lot: far away from, much further from, a lot further from, way off, well away from
 """)
 ONTO = names("""
 onto, on, on top of, to the center of, to the middle of, to, in the middle of, to the centre of, all

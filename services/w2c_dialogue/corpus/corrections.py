@@ -18,6 +18,7 @@ from w2c_dialogue.corpus.exact_moves import (
     two_ways,
 )
 from w2c_dialogue.corpus.measures import body_length, distance
+from w2c_dialogue.corpus.moves import read_move
 from w2c_dialogue.corpus.phrases import article, phrase
 from w2c_dialogue.corpus.steering import WAYS, Correction, finish, sized_direction, step, term
 
@@ -120,26 +121,20 @@ def _object(draw: Draw) -> Correction:
 
 
 def _closer(draw: Draw, a: str, things: dict[str, str]) -> Correction:
-    return _along_the_way(draw, a, things, draw.pick(words.CLOSER), "+")
+    return _along_the_way(draw, a, things, draw.pick(words.CLOSER))
 
 
 def _away(draw: Draw, a: str, things: dict[str, str]) -> Correction:
-    return _along_the_way(draw, a, things, draw.pick(words.AWAY), "-")
+    return _along_the_way(draw, a, things, draw.pick(words.AWAY))
 
 
 def _along_the_way(
-    draw: Draw, a: str, things: dict[str, str], meant: tuple[str, str], sign: str
+    draw: Draw, a: str, things: dict[str, str], meant: tuple[str, str]
 ) -> Correction:
-    """Go a share of the way to an object, or so many pixels along it."""
-    said, size = meant
-    length = size.removesuffix("px")
-    x, y = (
-        f"target.{axis}{sign}{size}*(a.{axis}-target.{axis})"
-        if length == size
-        else f"target.{axis}{sign}{length}*a.way.{axis}"
-        for axis in "uv"
-    )
-    return Correction(finish(draw, f"{said} {a}", things), x, y)
+    """Go along the line to an object, as a note says."""
+    said, note = meant
+    place, _ = read_move(note)
+    return Correction(finish(draw, f"{said} {a}", things), place.x, place.y)
 
 
 def _onto(draw: Draw, a: str, things: dict[str, str]) -> Correction:

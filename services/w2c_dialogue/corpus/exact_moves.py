@@ -13,7 +13,7 @@ from w2c_dialogue.corpus.steering import WAYS, Correction, finish, term
 def two_amounts(draw: Draw) -> Correction:
     """Go two ways, by two amounts that differ: `a lot left and a smidge up`."""
     ways = two_ways(draw)
-    steps = {size: listed if size != "40" else ("",) for _, (size, listed) in words.STEPS}
+    steps = {size: listed for _, (size, listed) in words.STEPS} | {words.STEP[0]: ("",)}
     sizes: dict[str, str] = {}
     said = []
     for way in ways:

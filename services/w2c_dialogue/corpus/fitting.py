@@ -24,7 +24,7 @@ CLOSE = 3.0
 APART = 6.0
 """...and by no other of which some comes this near: the person may not have been exact [px]"""
 _SIZES = (locations.CLOSE, locations.USUAL, locations.DISTANT)
-_SHARES = ("0.25", "0.4", "0.5", "0.7", "0.75")
+_SHARES = ("0.25", "0.4", "0.5", "0.7")
 _TIMES = ("0.5", "", "1.5", "2", "3")
 
 
@@ -116,7 +116,10 @@ def _corrections(scene: CorrectionScene) -> Iterator[Found]:
         yield f"{letter}.u", "target.v"
         yield "target.u", f"{letter}.v"
         for share in _SHARES:
+            u, v = (f"{share}*({letter}.{axis}-target.{axis})" for axis in "uv")
+            yield f"target.u+{u}", f"target.v+{v}"
+        for size in STEPS.values():
             for sign in "+-":
-                u, v = (f"{sign}{share}*({letter}.{axis}-target.{axis})" for axis in "uv")
+                u, v = (f"{sign}{size}*{letter}.way.{axis}" for axis in "uv")
                 yield f"target.u{u}", f"target.v{v}"
     yield from _places([thing.box for thing in scene.objects])

@@ -22,14 +22,15 @@ centimeter, half a cm | 100*0.5*cm: half a meter, half a metre
 """Lengths without a number, with their expressions."""
 REPAIRED_SHARE = 0.12
 """How often a number is taken back for another while it is said"""
-UNITS: tuple[tuple[int, tuple[str, ...], str], ...] = (
-    (10, ("cm", "cm", "centimeters", "centimetres", "centimeter", "cms"), "{}*cm"),
-    (2, ("mm", "millimeters", "millimetres"), "0.1*{}*cm"),
-    (2, ("inches", "inch"), "2.54*{}*cm"),
-    (1, ("meters", "metres", "meter", "metre", "m"), "100*{}*cm"),
-    (6, ("pixels", "px", "pixel", "pixels"), "{}"),
+UNITS = (
+    (0.48, (("cm", "cm", "centimeters", "centimetres", "centimeter", "cms"), "{}*cm")),
+    (0.095, (("mm", "millimeters", "millimetres"), "0.1*{}*cm")),
+    (0.095, (("inches", "inch"), "2.54*{}*cm")),
+    (0.045, (("meters", "metres", "meter", "metre", "m"), "100*{}*cm")),
 )
 """How often, words, and the expression of so many; `cm` is the scale of the scene"""
+PIXELS = (("pixels", "px", "pixel", "pixels"), "{}")
+"""The same of the rest"""
 _FRACTIONS = ("0.25", "0.75", "0.5", "1.5", "2.5")
 """What a quarter of a unit or one and a half of them are, once they are digits"""
 BODY = {
@@ -119,12 +120,7 @@ def number(draw: Draw) -> tuple[str, str]:
 
 def unit(draw: Draw) -> tuple[tuple[str, ...], str]:
     """Return the names of a unit, and the expression of so many."""
-    roll = draw.below(sum(share for share, _, _ in UNITS))
-    for share, listed, expression in UNITS:
-        if roll < share:
-            return listed, expression
-        roll -= share
-    raise ValueError(roll)
+    return draw.by_share(UNITS, PIXELS)
 
 
 def with_unit(draw: Draw, word: str, names_of_unit: tuple[str, ...]) -> str:

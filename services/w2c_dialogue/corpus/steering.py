@@ -31,7 +31,7 @@ def term(symbol: str, sign: int, size: str) -> str:
 
 def step(draw: Draw) -> tuple[str, str]:
     """Return words of a size and its pixels."""
-    size, listed = draw.by_share(words.STEPS, ("40", ("",)))
+    size, listed = draw.by_share(words.STEPS, words.STEP)
     return draw.pick(listed), size
 
 

@@ -21,8 +21,7 @@ KIND_OF_MODULE: dict[str, Kind] = {
     "confirmation": "confirmations",
 }
 NOT_MIRRORED, NOT_CHOSEN_BY = "!", "?"
-"""Flags before a meaning: left and right stay; the words alone don't tell which module they are for
-"""
+"""Flags before a meaning: left and right stay; the words alone do not tell their module"""
 THING = re.compile(r"\[([^\[\]]+)\]")
 SLOT = re.compile(r"\{([^{}]+)\}")
 SIDE_WORDS = re.compile(r"(?<![a-z])(left|right)", re.IGNORECASE)
@@ -74,7 +73,11 @@ def read_line(kind: Kind, text: str) -> Iterator[Line]:
         raise ConfigError(f"'{text}' is not `meaning | utterance`")
     words = meaning.lstrip(NOT_MIRRORED + NOT_CHOSEN_BY)
     flags, meaning = meaning.removesuffix(words), words.strip()
+    if not meaning:
+        raise ConfigError(f"'{text}' has no meaning")
     if kind == "dialogues":
+        if flags:
+            raise ConfigError(f"'{text}' has flags, and no turn of a dialogue has")
         letters, turns = meaning.split(), [turn.strip() for turn in utterance.split(" / ")]
         if len(letters) != len(turns) or not set(letters) <= set(TURN_KINDS):
             raise ConfigError(f"'{text}' has {len(turns)} turns and {len(letters)} letters")

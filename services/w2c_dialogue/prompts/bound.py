@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from w2c_dialogue.prompts.numerals import in_digits
 from w2c_dialogue.utterance import Utterance
 
 LONGEST_PHRASE = 12
@@ -38,13 +37,13 @@ def arithmetic_of(symbols: Iterable[str], numbers: Iterable[str] | None) -> dict
     return {"type": "string", "x-arithmetic-of": scene}
 
 
-def numbers_of(utterance: Utterance) -> list[str]:
-    """Return the numbers that may mean something after an utterance: its own, and conventions.
+def numbers_of(text: str) -> list[str]:
+    """Return the numbers that may mean something: of a text as a model reads it, and conventions.
 
-    Digits are those that were typed, `2,5` as `2.5`, and what several words make together. A number
-    word may be misspelt, so any number that is one word stands beside them.
+    Digits are as they stand there, `2,5` as `2.5`. A number word may be misspelt, so any number
+    that is one word stands beside them.
     """
-    typed = [_plain(digits) for digits in _DIGITS.findall(" ".join(in_digits(utterance.folded)))]
+    typed = [_plain(digits) for digits in _DIGITS.findall(text)]
     return list(dict.fromkeys((*CONVENTIONS, *SPOKEN, *typed)))[:MOST_NUMBERS]
 
 

@@ -94,8 +94,9 @@ class EmbeddedPrompts:
     ) -> Question:
         """Ask for a point relative to the objects. The scale is a symbol, so it is not shown."""
         boxes = [o.box for o in objects]
-        content = f"{describe_boxes(boxes)}\n{_lettered(utterance, mentions)}"
-        schema = self._point_schema(object_symbols(boxes, pixels_per_cm), utterance)
+        said = _lettered(utterance, mentions)
+        content = f"{describe_boxes(boxes)}\n{said}"
+        schema = self._point_schema(object_symbols(boxes, pixels_per_cm), said)
         return Question("relative", _messages("relative", content), 1, schema)
 
     def correct(
@@ -105,9 +106,10 @@ class EmbeddedPrompts:
         known = describe_moves(scene.moves)
         if scene.objects:
             known += f", {describe_boxes([o.box for o in scene.objects])}"
-        content = f"{known}\n{_lettered(utterance, mentions)}"
+        said = _lettered(utterance, mentions)
+        content = f"{known}\n{said}"
         named = replace(scene, moves=scene.moves[-NAMED_MOVES:])
-        schema = self._point_schema(correction_symbols(named), utterance)
+        schema = self._point_schema(correction_symbols(named), said)
         return Question("correct", _messages("correct", content), 1, schema)
 
     def parts(self, utterance: Utterance) -> tuple[Utterance, ...]:
@@ -125,11 +127,11 @@ class EmbeddedPrompts:
             "effector", _messages("effector", utterance.folded_text), 1, schema_of(properties)
         )
 
-    def _point_schema(self, symbols: Iterable[str], utterance: Utterance) -> dict[str, object]:
-        """Return the schema of two expressions."""
+    def _point_schema(self, symbols: Iterable[str], said: str) -> dict[str, object]:
+        """Return the schema of two expressions, of words as the model reads them."""
         expression: dict[str, object] = {"type": "string", "pattern": EXPRESSION_PATTERN}
         if self._bound:
-            expression = arithmetic_of(symbols, numbers_of(utterance))
+            expression = arithmetic_of(symbols, numbers_of(said))
         return schema_of({"x": expression, "y": expression})
 
 

@@ -167,7 +167,7 @@ CORRECT = (
     f"{PICTURE} A target point is shown, and the operator corrects it. Work out the new point. "
     "Without a size a step is 40 "
     "pixels, 'a tiny bit' 10, 'a bit' 20, 'a lot' 100; 'closer to' a thing is 0.4 of the way to "
-    "its centre, 'much closer' 0.7; 'a bit closer' and 'away from' are these lengths along it. "
+    "its centre, 'a bit closer' 0.1, 'much closer' 0.7; 'away from' it is 0.2 of the way back. "
     "Earlier corrections are listed oldest first; 'twice as much' or 'again' "
     "repeats the last one from the present target, 'back' or 'undo' subtracts it. Someone who "
     "only rejects the "

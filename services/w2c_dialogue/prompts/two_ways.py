@@ -5,7 +5,7 @@ down (or, of engineers, u and v), and one joint between them stand in the correc
 tell which amount goes which way: the model is asked for each part. All else is left to the model.
 """
 
-from w2c_dialogue.prompts.numerals import UNITS, VALUES
+from w2c_dialogue.prompts.numerals import DIGITS, UNITS, VALUES
 from w2c_dialogue.utterance import Utterance
 
 _ACROSS = frozenset({"left", "leftward", "leftwards", "right", "rightward", "rightwards"})
@@ -39,7 +39,8 @@ def parts(utterance: Utterance) -> tuple[Utterance, ...]:
     """
     words = [word.rstrip(",") for word in utterance.folded]
     across, along = _places(words, _ACROSS, _ALONG)
-    if not across and not along:
+    by_axes = not across and not along
+    if by_axes:
         across, along = _places(words, frozenset("u"), frozenset("v"))
     if len(across) != 1 or len(along) != 1 or not _MORE_THAN_TWO_WAYS.isdisjoint(words):
         return (utterance,)
@@ -49,6 +50,8 @@ def parts(utterance: Utterance) -> tuple[Utterance, ...]:
     one, other = words[: cut[0]], words[cut[1] :]
     if not _has_amount(other) or _YES.issuperset(one):
         return (utterance,)
+    if by_axes and not (any(map(_is_number, one)) and any(map(_is_number, other))):
+        return (utterance,)  # "can u just go 20 px along v"
     first, second = _slice(utterance, 0, cut[0]), _slice(utterance, cut[1], len(words))
     return _with_unit(first, other), _with_unit(second, one)
 
@@ -64,7 +67,12 @@ def _places(
 def _joint(utterance: Utterance, first: int, last: int) -> tuple[int, int] | None:
     """Return where the first part ends and the second begins; None: at no place, or several."""
     heard = utterance.folded
-    joints = [at for at in range(first + 1, last) if heard[at].rstrip(",") in _JOINTS]
+    joints = [
+        at
+        for at in range(first + 1, last)
+        if heard[at].rstrip(",") in _JOINTS
+        and not (heard[at] in ("+", "plus") and heard[at - 1] in ("u", "v"))
+    ]
     pauses = [at + 1 for at in range(first, last) if heard[at].endswith(",")]
     begins = min(joints + pauses, default=None)
     if begins is None:
@@ -101,7 +109,7 @@ def _has_unit(words: list[str]) -> bool:
 
 
 def _is_number(word: str) -> bool:
-    return word.replace(".", "", 1).isdigit()
+    return DIGITS.fullmatch(word) is not None
 
 
 def _slice(utterance: Utterance, first: int, end: int) -> Utterance:

@@ -230,9 +230,8 @@ def test_corrections_move_in_the_direction_that_is_said() -> None:
 
 @pytest.mark.parametrize(("text", "size"), [("a bit", 20), ("a little", 20), ("a lot", 100)])
 def test_sizes_of_steps(text: str, size: int) -> None:
-    sizes = {
-        word: int(pixels) for _, (pixels, entries) in correction_words.STEPS for word in entries
-    }
+    listed = (correction_words.STEP, *(entry for _, entry in correction_words.STEPS))
+    sizes = {word: int(pixels) for pixels, entries in listed for word in entries}
     assert sizes[text] == size
     assert sizes[""] == 40
 

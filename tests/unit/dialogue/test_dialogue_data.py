@@ -85,6 +85,21 @@ def test_a_confirmed_point_tells_what_a_correction_meant(
 
 
 @pytest.mark.parametrize(
+    ("utterance", "point", "along"),
+    [
+        ("closer to the red mug", [360, 438.6], "+0.4*(a.{0}-target.{0})"),
+        ("a lot further off the red mug", [113.4, 581], "-100*a.way.{0}"),
+    ],
+)
+def test_a_confirmed_point_tells_how_far_along_the_line_to_a_thing(
+    tmp_path: Path, utterance: str, point: list[float], along: str
+) -> None:
+    said = correction(utterance, point, objects=[MUG], target=[200, 531])
+    value = json.loads(answers(read(tmp_path, said))["correct"])
+    assert value == {axis: f"target.{s}{along.format(s)}" for axis, s in (("x", "u"), ("y", "v"))}
+
+
+@pytest.mark.parametrize(
     ("utterance", "point", "moves"),
     [
         ("2 cm left", [480, 400], []),  # a number was said: 20 px may be a bit, or 2 cm

@@ -53,10 +53,6 @@ def standing(phrase: str, box: Box, *, found: bool = True) -> PhraseEvidence:
     )
 
 
-def box_of(left: float, top: float, right: float, bottom: float) -> Box:
-    return Box(left=left, top=top, right=right, bottom=bottom, score=0.9)
-
-
 def at(u: float, v: float) -> ImagePoint:
     return ImagePoint(u, v, clipped=False)
 
@@ -223,32 +219,6 @@ def test_a_place_stays_on_the_side_of_the_thing_that_was_said(
     # The surface is seen on a part of the thing, too, and nearer.
     moved = moved_onto(point, table(box), [CUP])
     assert (moved.u, moved.v) == pytest.approx(where, abs=CELL)
-
-
-@pytest.mark.parametrize("turned", [False, True])
-def test_a_place_between_two_things_stays_between_them(*, turned: bool) -> None:
-    """What stands between them is nearer to its far sides than to the things."""
-    one, other, crate, point = (
-        (
-            (300.0, 40.0, 400.0, 100.0),
-            (300.0, 360.0, 400.0, 420.0),
-            (280, 140, 430, 320),
-            (350, 230),
-        )
-        if turned
-        else ((400, 300, 500, 400), (800, 300, 900, 400), (550, 280, 760, 410), (650, 350))
-    )
-    things = [SceneObject("", box_of(*edges)) for edges in (one, other)]
-    taken = standing("green thing", box_of(*crate))
-    moved = onto_surface(at(*point), things, Eyes(taken), FRAME)
-
-    left, top, right, bottom = crate
-    if turned:
-        assert 300 <= moved.u < 400
-        assert 100 <= moved.v < top or bottom < moved.v < 360
-    else:
-        assert 300 <= moved.v < 400
-        assert 500 <= moved.u < left or right < moved.u < 800
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])

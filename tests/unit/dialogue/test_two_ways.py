@@ -34,6 +34,10 @@ def said(text: str) -> list[str]:
         ("up 3 steps and two to the right", ["up 3 steps", "two steps to the right"]),
         ("a bit up, 2 px left", ["a bit up", "2 px left"]),
         ("Add +35 px in u and -20 px in v.", ["add +35 px in u", "-20 px in v"]),
+        ("+3 cm in u and -2 in v", ["+3 cm in u", "-2 cm in v"]),
+        ("u plus 20, v minus 5", ["u plus 20", "v minus 5"]),
+        ("3 cm left and 2,5 up", ["3 cm left", "2,5 cm up"]),
+        ("3 m left and two up", ["3 m left", "two m up"]),
         ("can u go 3 cm up and 2 left", ["can u go 3 cm up", "2 cm left"]),
     ],
 )
@@ -54,6 +58,7 @@ def test_each_part_has_its_direction_and_amount(text: str, expected: list[str]) 
         pytest.param("two cm left and one and a half up", id="a joint too many"),
         pytest.param("2 cm left 3 cm up", id="no joint"),
         pytest.param("20 px in u", id="one axis of the picture"),
+        pytest.param("can u just go 20 px along v", id="u is who is asked"),
         pytest.param("left 2 cm and then up as before", id="an earlier move"),
         pytest.param("too far left and 2 cm too low, so up", id="a complaint"),
     ],

@@ -265,6 +265,17 @@ def test_flags_say_what_a_line_is_not_for(flags: str, *, mirrors: bool, tells: b
     assert (line.meaning, line.mirrors, line.tells) == ("place left(A)", mirrors, tells)
 
 
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [("corrections", "? | left"), ("corrections", "| left"), ("dialogues", "? p c | on it / left")],
+)
+def test_flags_without_a_meaning_or_on_a_dialogue_are_refused(
+    kind: written_lines.Kind, text: str
+) -> None:
+    with pytest.raises(ConfigError, match=r"meaning|flags"):
+        list(written_lines.read_line(kind, text))
+
+
 def test_lines_whose_words_alone_tell_no_module_choose_none() -> None:
     source = draw()
     silent = {line.text for line in written_lines.lines("corrections") if not line.tells}

@@ -9,6 +9,7 @@ from typing import get_args
 
 import msgspec
 
+from w2c_dialogue.corpus.written import mirrored
 from w2c_dialogue.corpus.written_lines import THING, Kind, lines
 from w2c_evaluation.understanding.commands import read_questions
 
@@ -23,7 +24,8 @@ class Said(msgspec.Struct, frozen=True):
 
 def words(text: str) -> str:
     """Return a text without case and punctuation, between spaces."""
-    return f" {' '.join(re.sub(r'[^a-z0-9 ]+', ' ', text.lower()).split())} "
+    unmarked = re.sub(r"[\[\]{}<>]", "", text.lower())
+    return f" {' '.join(re.sub(r'[^a-z0-9 ]+', ' ', unmarked).split())} "
 
 
 def judging() -> set[str]:
@@ -41,8 +43,10 @@ def read_before(sentence: str, things: list[str], known: set[str]) -> bool:
 
 def test_no_sentence_and_no_description_is_in_both() -> None:
     known = judging()
-    written = [line.text for kind in get_args(Kind) for line in lines(kind)]
+    said = [line for kind in get_args(Kind) for line in lines(kind)]
+    written = [line.text for line in said] + [mirrored(line.text) for line in said if line.mirrors]
 
+    assert len(known) > 1000
     assert len(written) > 10_000
     assert [text for text in written if read_before(text, THING.findall(text), known)] == []
 

@@ -72,3 +72,15 @@ def test_what_a_block_adds_keeps_its_mean_and_loses_its_share() -> None:
     assert sorted(set(drawn.tolist())) == pytest.approx([0.0, 1 / 0.75])
     assert float((drawn == 0).float().mean()) == pytest.approx(0.25, abs=0.02)
     assert float(drawn.mean()) == pytest.approx(1.0, abs=0.03)
+
+
+def test_a_channel_is_left_out_of_a_whole_sentence_and_each_sentence_loses_others() -> None:
+    asked = network()
+    seen: list[torch.Tensor] = []
+    Dropout(asked, 0.5, seed=4).begin_step(1)
+    asked.model.layers[0].mlp.register_forward_hook(lambda _, __, output: seen.append(output))
+    answer(asked)
+    (left_out,) = (output == 0.0 for output in seen)
+
+    assert torch.equal(left_out, left_out[:, :1].expand_as(left_out))
+    assert not torch.equal(left_out[0], left_out[1])
