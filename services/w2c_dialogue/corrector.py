@@ -17,6 +17,7 @@ from w2c_dialogue.expressions import (
 )
 from w2c_dialogue.interfaces import Frame, LanguageModel
 from w2c_dialogue.prompts.base import CorrectionScene, PromptSet
+from w2c_dialogue.prompts.numerals import check_numbers
 from w2c_dialogue.relative import OUTSIDE
 from w2c_dialogue.sight import Prediction, scene_objects, unknown_warnings
 from w2c_dialogue.utterance import Mention, Utterance
@@ -96,10 +97,11 @@ def corrected_point(
         size: Width and height of the picture [px].
 
     Raises:
-        RefusedError: there is no earlier move to speak of.
+        RefusedError: there is no earlier move to speak of, or a number is none.
         ModelError: the model's answer cannot be followed.
         CallError: the model does not answer.
     """
+    check_numbers(utterance)
     asked = (utterance,) if mentions else prompts.parts(utterance)
     answers = [
         read(model.complete(prompts.correct(part, mentions, scene)), PointAnswer) for part in asked

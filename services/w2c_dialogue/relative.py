@@ -11,6 +11,7 @@ from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.on_surface import onto_surface
 from w2c_dialogue.on_thing import onto_thing
 from w2c_dialogue.prompts.base import PromptSet, SceneObject
+from w2c_dialogue.prompts.numerals import check_numbers
 from w2c_dialogue.sight import Prediction, scene_objects, unknown_warnings
 from w2c_dialogue.utterance import Mention, Utterance
 
@@ -44,7 +45,7 @@ def predict(
         pixels_per_cm: Scale of the picture there.
 
     Raises:
-        RefusedError: an object has no box.
+        RefusedError: an object has no box, or a number is none.
         ModelError: the model's arithmetic cannot be followed.
         CallError: a service does not answer.
     """
@@ -89,9 +90,11 @@ def relative_point(
         size: Width and height of the picture [px].
 
     Raises:
+        RefusedError: a number is none.
         ModelError: the model's arithmetic cannot be followed.
         CallError: the model does not answer.
     """
+    check_numbers(utterance)
     question = prompts.relative(utterance, mentions, objects, pixels_per_cm)
     answer = read(model.complete(question), PointAnswer)
     symbols = object_symbols([item.box for item in objects], pixels_per_cm)

@@ -10,6 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from w2c.errors import RefusedError
 from w2c_dialogue.utterance import Utterance
 
 _SMALL = (
@@ -31,6 +32,7 @@ UNITS = frozenset(
 )  # fmt: skip
 DIGITS = re.compile(r"(?P<sign>[+-]?)(?P<number>[0-9]{1,4}(?:[.,][0-9]{1,3})?)")
 _FRACTION = re.compile(r"(?P<sign>)(?P<over>[0-9]{1,2})/(?P<under>[1-9][0-9]?)")
+_POWER_OF_TEN = re.compile(r"[+-]?[0-9]+(?:[.,][0-9]+)?e[+-]?[0-9]+")
 _AND = frozenset({"&", "and", "n"})
 _ONE = frozenset({"a", "an", "one"})
 _QUARTERS = {
@@ -92,6 +94,20 @@ def with_digits(utterance: Utterance) -> Utterance:
     """
     words = tuple(in_digits(utterance.folded))
     return utterance if words == utterance.folded else Utterance(words, words, words)
+
+
+def check_numbers(utterance: Utterance) -> None:
+    """Refuse numbers such as `1e999`: a model would make another one of it.
+
+    Raises:
+        RefusedError: there is one; says which.
+    """
+    for word in utterance.folded:
+        if _POWER_OF_TEN.fullmatch(word.rstrip(",")):
+            raise RefusedError(
+                f"I cannot read the number '{word.rstrip(',')[:20]}'. Nothing changed; please say "
+                "it in plain digits, for example: 3 cm to the left."
+            )
 
 
 def _length(bare: Sequence[str], at: int) -> tuple[list[str], int] | None:

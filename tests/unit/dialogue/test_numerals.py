@@ -1,15 +1,21 @@
 """Numbers of several words become digits, for the model and for the grammar of its answers."""
 
+import re
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fakes.dialogue_world import ScriptedModel
+from w2c.errors import RefusedError
 from w2c.messages import Box
 from w2c_dialogue.corpus import measures
-from w2c_dialogue.prompts.base import SceneObject
+from w2c_dialogue.corrector import corrected_point
+from w2c_dialogue.prompts.base import CorrectionScene, SceneObject
 from w2c_dialogue.prompts.bound import numbers_of
-from w2c_dialogue.prompts.numerals import UNITS, VALUES, in_digits, with_digits
+from w2c_dialogue.prompts.numerals import UNITS, VALUES, check_numbers, in_digits, with_digits
 from w2c_dialogue.prompts.sets import PROMPT_SETS
+from w2c_dialogue.relative import relative_point
 from w2c_dialogue.utterance import Mention, Span, parse
 
 CUP = SceneObject("cup", Box(left=600.0, top=300.0, right=700.0, bottom=400.0, score=1.0))
@@ -114,3 +120,33 @@ def test_the_parts_of_a_correction_have_digits() -> None:
 
     assert [part.folded_text for part in parts] == ["1.5 inch down", "two inch left"]
     assert with_digits(parse("two left")) == parse("two left")
+
+
+@pytest.mark.parametrize("number", ["1e999", "-2e3", "1.5e-7,"])
+def test_a_number_with_a_power_of_ten_is_refused_by_name(number: str) -> None:
+    with pytest.raises(RefusedError, match=re.escape(f"'{number.rstrip(',')}'")):
+        check_numbers(parse(f"move it {number} cm left"))
+
+
+@pytest.mark.parametrize(
+    "text", ["1280 px left", "-20 in v", "the a4 sheet", "3.5 cm", "2x as far", "999999 px left"]
+)
+def test_other_numbers_are_not(text: str) -> None:
+    check_numbers(parse(text))
+
+
+def test_neither_a_correction_nor_a_place_follows_such_a_number() -> None:
+    model, prompts = ScriptedModel(), PROMPT_SETS["embedded"]()
+    scene = CorrectionScene((640.0, 360.0), (640.0, 360.0), (), (), (), 10.0)
+    with pytest.raises(RefusedError):
+        corrected_point(model, prompts, parse("1e999 cm left"), [], scene, (1280, 720))
+    with pytest.raises(RefusedError):
+        relative_point(
+            model,
+            prompts,
+            utterance=parse("1e9 cm left of the cup"),
+            mentions=[Mention("cup", Span(6, 6))],
+            objects=[CUP],
+            pixels_per_cm=10.0,
+            size=(1280, 720),
+        )
