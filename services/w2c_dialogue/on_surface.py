@@ -92,7 +92,8 @@ def onto_surface(
     kept = _on_the_same_side(free, point, boxes, size)
     reach = REACH * max(boxes[0].right - boxes[0].left, boxes[0].bottom - boxes[0].top)
     if len(boxes) == 2:
-        gap, hull = _gap(point, *boxes), _hull(boxes, kept.shape, size)
+        gap = _gap(point, *boxes)
+        hull = _hull(boxes, kept.shape, size)
         # "Between them, but a little behind" is outside.
         if gap > 0.0 and hull[cell_at(point.u, point.v, hull.shape, size)]:
             kept &= hull

@@ -31,7 +31,7 @@ UNITS = frozenset(
     }
 )  # fmt: skip
 DIGITS = re.compile(r"(?P<sign>[+-]?)(?P<number>[0-9]{1,4}(?:[.,][0-9]{1,3})?)")
-_FRACTION = re.compile(r"(?P<sign>)(?P<over>[0-9]{1,2})/(?P<under>[1-9][0-9]?)")
+_FRACTION = re.compile(r"(?P<over>[0-9]{1,2})/(?P<under>[1-9][0-9]?)")
 _POWER_OF_TEN = re.compile(r"[+-]?[0-9]+(?:[.,][0-9]+)?e[+-]?[0-9]+")
 _AND = frozenset({"&", "and", "n"})
 _ONE = frozenset({"a", "an", "one"})
