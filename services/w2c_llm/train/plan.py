@@ -19,6 +19,8 @@ class Shape:
     width: int | None = None
     feed_forward: int | None = None
     vocabulary: int | None = None
+    begin_layers: int | None = None
+    """Of a network that grows to `layers` on the way; None = all of them from the beginning"""
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ class TrainingPlan:
     peak_rate: float | None = None
     prompt_weight: float = 0.0
     dropout: float = 0.0
+    compiled: bool = False
     threads: int = 2
     weights: WeightsName = "q8_0"
     seed: int = 0
@@ -69,6 +72,7 @@ class TrainingPlan:
             ("--seed", self.seed, 0, 2**31 - 1),
             ("--with-share", self.dialogues_share, 0.001, 0.9),
             ("--layers", self.shape.layers or 1, 1, 64),
+            ("--begin-layers", self.shape.begin_layers or 1, 1, self.shape.layers or 64),
             ("--width", self.shape.width or 64, 64, 4096),
             ("--feed-forward", self.shape.feed_forward or 32, 32, 16384),
             # 256 bytes and the special tokens are always there; a token is two bytes on disk.
@@ -84,6 +88,11 @@ class TrainingPlan:
             unit = 64 if name == "--width" else 32
             if size is not None and size % unit:
                 raise ConfigError(f"{name} is {size}; it must be a multiple of {unit}")
+        if self.begin_with and self.shape.begin_layers:
+            raise ConfigError(
+                "--begin-layers is for random weights; with --from leave it out, and give --layers "
+                "for a deeper network"
+            )
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from w2c_llm.train.checkpoint import Checkpoint
 from w2c_llm.train.data import Source, digest, encode_source, read_dialogues, read_source
 from w2c_llm.train.device import Device, best_device
 from w2c_llm.train.export import Card, export_gguf
+from w2c_llm.train.growth import deepened
 from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
 from w2c_llm.train.mean import read_origins
 from w2c_llm.train.network import NetworkSize, make_network
@@ -30,6 +31,8 @@ CHECKPOINT = "checkpoint.pt"
 _SCORED_DURING_TRAINING = 200
 _TOKENIZER_EXAMPLES = 40_000
 """More than enough for the merges, and fast"""
+_GROWS_AT = 1 / 3
+"""Share of the budget at which a network grows"""
 _LAYERS, _WIDTH, _FEED_FORWARD, _VOCABULARY = 6, 256, 768, 4096
 
 Log = Callable[[str], None]
@@ -77,18 +80,35 @@ class Run:
         glimpse = random.Random(0).sample(  # noqa: S311 - not a secret
             encoded_held_out, min(_SCORED_DURING_TRAINING, len(encoded_held_out))
         )
-        finished = trainer.train(
-            mixture,
-            Listeners(
+
+        def train(origin: Origin, trainer: Trainer, until: float = 1.0) -> bool:
+            listeners = Listeners(
                 lambda report: self._report(report, trainer, glimpse),
                 lambda: self._save(trainer, origin, sources),
                 stopped,
-            ),
-        )
+            )
+            return trainer.train(mixture, listeners, until)
+
+        finished = True
+        if self._grows(origin):
+            finished = train(origin, trainer, _GROWS_AT)
+            if finished:
+                origin = deepened(origin, self._layers)
+                trainer = trainer.grown(origin.network)
+                self._log(f"{origin.size.layers} layers from here on")
+        finished = finished and train(origin, trainer)
         if not finished:
             self._log(f"stopped; go on with --resume ({self._checkpoint_path})")
             return None
         return self._finish(trainer, origin, (*sources, held_out), mixture, encoded_held_out)
+
+    @property
+    def _layers(self) -> int:
+        """Layers of what is exported, where it does not go on from another model."""
+        return self._plan.shape.layers or _LAYERS
+
+    def _grows(self, origin: Origin) -> bool:
+        return self._plan.shape.begin_layers is not None and origin.size.layers < self._layers
 
     @property
     def _checkpoint_path(self) -> Path:
@@ -138,7 +158,7 @@ class Run:
             width = shape.width or _WIDTH
             size = NetworkSize(
                 width,
-                shape.layers or _LAYERS,
+                shape.begin_layers or self._layers,
                 width // 64,
                 shape.feed_forward or _FEED_FORWARD,
             )
@@ -146,6 +166,8 @@ class Run:
             return Origin(network, tokenizer, size)
         if kept is not None and (shape.vocabulary or 0) > origin.tokenizer.get_vocab_size():
             shape = replace(shape, vocabulary=None)  # a small corpus has fewer tokens than allowed
+        if origin.size.layers == shape.begin_layers:
+            shape = replace(shape, layers=None)  # it was stopped before it grew
         _expect_shape(source, origin, shape)
         return origin
 
@@ -182,6 +204,7 @@ class Run:
             peak_rate=plan.rate,
             prompt_weight=plan.prompt_weight,
             dropout=plan.dropout,
+            compiled=plan.compiled,
             seed=plan.seed,
         )
         trainer = Trainer(origin.network, recipe, self._clock, self._started_ns, self._device)
@@ -277,7 +300,7 @@ def _expect_shape(path: Path, origin: Origin, wanted: Shape) -> None:
         origin.size.feed_forward,
         origin.tokenizer.get_vocab_size(),
     )
-    for name, value in vars(wanted).items():
+    for name, value in vars(replace(wanted, begin_layers=None)).items():
         if value is not None and value != getattr(found, name):
             flag = "--" + name.replace("_", "-")
             raise ConfigError(
