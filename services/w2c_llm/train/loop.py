@@ -19,6 +19,7 @@ from w2c.errors import ModelError
 from w2c_llm.train.batches import Batch, Mixture, epoch_groups, make_batch
 from w2c_llm.train.device import CPU, Device
 from w2c_llm.train.dropout import Dropout
+from w2c_llm.train.machine_code import MachineCode
 from w2c_llm.train.optimizer import Optimizer
 
 _STEPS_OF_A_RISE = 100
@@ -142,8 +143,9 @@ class Trainer:
         self.progress = Progress()
         self._dropout = Dropout(network, recipe.dropout, recipe.seed)
         # The network itself stays as it is, for scores and export: one program less to compile.
-        body = network.model
-        self._body = torch.compile(body, dynamic=True) if recipe.compiled else body
+        self._body: Callable[..., Any] = network.model
+        if recipe.compiled:
+            self._body = MachineCode(network.model)
         self._optimizer = Optimizer(network, recipe.weight_decay, bf16=device.bf16)
         self._clock = clock
         self._started_ns = started_ns

@@ -2,16 +2,16 @@
 
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 
 import torch
-from tokenizers import Tokenizer
 
 from w2c.clock import Clock, RealClock
 from w2c.errors import ConfigError
 from w2c_llm.train import checkpoint
 from w2c_llm.train.batches import Mixture, mix
+from w2c_llm.train.beginning import continued, final_layers, new, resumed
 from w2c_llm.train.card import CardFacts, format_card, machine, training_commit
 from w2c_llm.train.checkpoint import Checkpoint
 from w2c_llm.train.data import Source, digest, encode_source, read_dialogues, read_source
@@ -19,21 +19,16 @@ from w2c_llm.train.device import Device, best_device
 from w2c_llm.train.export import Card, export_gguf
 from w2c_llm.train.growth import deepened
 from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
-from w2c_llm.train.mean import read_origins
-from w2c_llm.train.network import NetworkSize, make_network
-from w2c_llm.train.origin import Origin, read_origin
-from w2c_llm.train.plan import Shape, TrainingPlan, TrainingResult
+from w2c_llm.train.origin import Origin
+from w2c_llm.train.plan import TrainingPlan, TrainingResult
 from w2c_llm.train.scoring import exact_matches, match_rates
-from w2c_llm.train.tokenizer import EncodedExample, train_tokenizer
+from w2c_llm.train.tokenizer import EncodedExample
 from w2c_llm.train.verification import verify_export
 
 CHECKPOINT = "checkpoint.pt"
 _SCORED_DURING_TRAINING = 200
-_TOKENIZER_EXAMPLES = 40_000
-"""More than enough for the merges, and fast"""
 _GROWS_AT = 1 / 3
 """Share of the budget at which a network grows"""
-_LAYERS, _WIDTH, _FEED_FORWARD, _VOCABULARY = 6, 256, 768, 4096
 
 Log = Callable[[str], None]
 
@@ -65,9 +60,9 @@ class Run:
         torch.set_num_threads(self._plan.threads)
         self._plan.output.mkdir(parents=True, exist_ok=True)
         sources = self._sources()
-        corpus, held_out = sources[0], read_source(self._plan.heldout)
+        held_out = read_source(self._plan.heldout)
         kept = self._kept(sources)
-        origin = self._origin(corpus, kept)
+        origin = self._origin(sources[0], kept)
         mixture = self._mixture(origin, sources)
         encoded_held_out = self._encode(origin, held_out)
         trainer = self._trainer(origin, kept)
@@ -89,26 +84,15 @@ class Run:
             )
             return trainer.train(mixture, listeners, until)
 
-        finished = True
-        if self._grows(origin):
-            finished = train(origin, trainer, _GROWS_AT)
-            if finished:
-                origin = deepened(origin, self._layers)
-                trainer = trainer.grown(origin.network)
-                self._log(f"{origin.size.layers} layers from here on")
-        finished = finished and train(origin, trainer)
-        if not finished:
+        layers = final_layers(self._plan.shape, origin)
+        if origin.size.layers < layers and train(origin, trainer, _GROWS_AT):
+            origin = deepened(origin, layers)
+            trainer = trainer.grown(origin.network)
+            self._log(f"{layers} layers from here on")
+        if origin.size.layers < layers or not train(origin, trainer):
             self._log(f"stopped; go on with --resume ({self._checkpoint_path})")
             return None
         return self._finish(trainer, origin, (*sources, held_out), mixture, encoded_held_out)
-
-    @property
-    def _layers(self) -> int:
-        """Layers of what is exported, where it does not go on from another model."""
-        return self._plan.shape.layers or _LAYERS
-
-    def _grows(self, origin: Origin) -> bool:
-        return self._plan.shape.begin_layers is not None and origin.size.layers < self._layers
 
     @property
     def _checkpoint_path(self) -> Path:
@@ -147,35 +131,12 @@ class Run:
 
     def _origin(self, corpus: Source, kept: Checkpoint | None) -> Origin:
         """Return network and tokenizer: of the run that is resumed, of `--from`, or new ones."""
-        plan, shape = self._plan, self._plan.shape
+        plan = self._plan
         if kept is not None:
-            origin, source = read_origin(self._checkpoint_path), self._checkpoint_path
-        elif plan.begin_with:
-            origin = read_origins(plan.begin_with, shape.layers)
-            source = plan.begin_with[0]
-        else:
-            tokenizer = self._new_tokenizer(corpus)
-            width = shape.width or _WIDTH
-            size = NetworkSize(
-                width,
-                shape.begin_layers or self._layers,
-                width // 64,
-                shape.feed_forward or _FEED_FORWARD,
-            )
-            network = make_network(size, tokenizer.get_vocab_size(), plan.seed)
-            return Origin(network, tokenizer, size)
-        if kept is not None and (shape.vocabulary or 0) > origin.tokenizer.get_vocab_size():
-            shape = replace(shape, vocabulary=None)  # a small corpus has fewer tokens than allowed
-        if origin.size.layers == shape.begin_layers:
-            shape = replace(shape, layers=None)  # it was stopped before it grew
-        _expect_shape(source, origin, shape)
-        return origin
-
-    def _new_tokenizer(self, corpus: Source) -> Tokenizer:
-        sample = random.Random(self._plan.seed).sample(  # noqa: S311 - not a secret
-            corpus.examples, min(_TOKENIZER_EXAMPLES, len(corpus.examples))
-        )
-        return train_tokenizer(sample, self._plan.shape.vocabulary or _VOCABULARY)
+            return resumed(self._checkpoint_path, plan.shape)
+        if plan.begin_with:
+            return continued(plan.begin_with, plan.shape)
+        return new(corpus.examples, plan.shape, plan.seed)
 
     def _encode(self, origin: Origin, source: Source) -> list[EncodedExample]:
         encoded = encode_source(origin.tokenizer, source, origin.size.context, self._log)
@@ -290,23 +251,6 @@ class Run:
             largest_logit_difference=difference,
             seed=plan.seed,
         )
-
-
-def _expect_shape(path: Path, origin: Origin, wanted: Shape) -> None:
-    """Refuse flags that say another shape than the file's: its weights fit no other."""
-    found = Shape(
-        origin.size.layers,
-        origin.size.width,
-        origin.size.feed_forward,
-        origin.tokenizer.get_vocab_size(),
-    )
-    for name, value in vars(replace(wanted, begin_layers=None)).items():
-        if value is not None and value != getattr(found, name):
-            flag = "--" + name.replace("_", "-")
-            raise ConfigError(
-                f"{flag} is {value}, {path} has {getattr(found, name)}: its weights and its "
-                f"tokenizer belong together; leave {flag} out"
-            )
 
 
 def _name_origins(paths: Sequence[Path]) -> str:
