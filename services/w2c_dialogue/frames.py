@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from w2c import geometry
-from w2c.errors import GeometryError, RefusedError
+from w2c.errors import GeometryError, NotNowError, RefusedError
 from w2c.messages import Array, CameraView
 from w2c_dialogue.interfaces import Frame
 
@@ -82,7 +82,8 @@ class FrameStore:
                 at once from then on.
 
         Raises:
-            RefusedError: there is no such picture; says what to do.
+            NotNowError: there is no such picture; says what to do.
+            RefusedError: it is of before a robot's restart.
         """
         with self._changed:
             if stamp_ns >= 0 and not _same(robot_boot_id, self._boot_id):
@@ -92,13 +93,13 @@ class FrameStore:
             if patience_s > 0.0:
                 self._waited_in_vain = not self._frames
             if not self._frames and stamp_ns < 0:
-                raise RefusedError(
+                raise NotNowError(
                     "I have no picture: the camera does not send. Check `w2c status`, then say it "
                     "again."
                 )
             frame = self._frames.get(self._resolve(stamp_ns)) or self._stand_in(stamp_ns)
             if frame is None:
-                raise RefusedError(
+                raise NotNowError(
                     f"The picture you saw (stamp {stamp_ns}) is not among the last "
                     f"{len(self._frames)} that I keep. "
                     "Look at the live picture, then say it again."

@@ -16,6 +16,8 @@ class Outcome:
     target: Target | None = None
     goal: Goal | None = None
     ok: bool = True
+    retryable: bool = False
+    """Whether the same may succeed a little later"""
     options: tuple[str, ...] = ()
     """What may be answered to a question"""
 
@@ -49,6 +51,7 @@ class Outcome:
             module=self.module,
             reply=self.reply,
             ok=self.ok,
+            retryable=self.retryable,
             options=list(self.options),
             target=self.target,
             goal_id=self.goal.goal_id if self.goal else "",

@@ -149,7 +149,8 @@ class Dialogue:
             try:
                 outcome = work(services)
             except W2CError as error:
-                outcome = Outcome("none", replies.failure(error, steps.latest), ok=False)
+                reply = replies.failure(error, steps.latest)
+                outcome = Outcome("none", reply, ok=False, retryable=error.retryable)
             outcome = self._asking.settle(outcome, asked)
         return self._report(text, outcome, steps, services.trail.evidence(self._prompts.name))
 

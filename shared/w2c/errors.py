@@ -11,6 +11,7 @@
     │       ├── UnavailableError         nobody serves it, or its process died while serving
     │       ├── DeadlineError            no reply in time
     │       ├── RefusedError             the service understood, and said no, with a reason
+    │       │   └── NotNowError              the same may be granted a little later
     │       └── RemoteError              the service failed
     ├── ModelError           a language or vision model cannot be loaded, or answered outside its
     schema
@@ -98,6 +99,12 @@ class RefusedError(CallError):
     """The service understood the request and refuses it, with a reason the operator can read."""
 
     code = "refused"
+
+
+class NotNowError(RefusedError):
+    """Refused for the moment: the same request may be granted a little later."""
+
+    retryable = True
 
 
 class RemoteError(CallError):

@@ -339,6 +339,7 @@ class FakeProduct:
         reply: str = "",
         *,
         ok: bool = True,
+        retryable: bool = False,
     ) -> Turn:
         return Turn(
             stamp_ns=self._stamp_ns,
@@ -346,6 +347,7 @@ class FakeProduct:
             module=module,
             reply=reply,
             ok=ok,
+            retryable=retryable,
             target=target,
             goal_id=goal_id,
             end_effector=limb,
@@ -371,8 +373,8 @@ class AskingProduct(FakeProduct):
     def _say(self, request: SayRequest, context: CallContext) -> Turn:
         self.heard.append(request.text)
         if len(self.heard) <= self._late:
-            reply = "The vision model did not answer in time (5 s). Please say it again."
-            return self._turn(request.text, "none", reply=reply, ok=False)
+            reply = "The vision model did not answer in time (5 s)."
+            return self._turn(request.text, "none", reply=reply, ok=False, retryable=True)
         if self._held is not None and request.text in ("left", "right", "new place", "change"):
             held, self._held = self._held, None
             return super()._say(held, context)

@@ -1,6 +1,6 @@
 """The veto list at the door: asked for the advice, and once more before anything moves."""
 
-from w2c.errors import CallError, RefusedError
+from w2c.errors import CallError, NotNowError, RefusedError
 from w2c.messages import AllowedArea, Array
 from w2c_dialogue.advice.heat import Place, hits
 from w2c_dialogue.advice.mask import with_veto
@@ -77,12 +77,13 @@ class Guard:
         """Return what the operator should know of the check; "" = nothing.
 
         Raises:
-            RefusedError: the target must not be touched, or nobody could look.
+            RefusedError: the target must not be touched.
+            NotNowError: nobody could look whether it may.
         """
         verdict = self.verdict(shown)
         refusal = self.refusal(verdict)
         if refusal:
-            raise RefusedError(refusal)
+            raise RefusedError(refusal) if verdict.vetoed else NotNowError(refusal)
         if verdict.failure:
             return f" I did not look for what I must not touch: {verdict.failure}."
         return ""

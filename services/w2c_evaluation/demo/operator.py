@@ -54,11 +54,6 @@ class LineResult:
     """What the environment truly exerts on the hand, along the surface normal"""
 
 
-def wants_it_again(turn: Turn) -> bool:
-    """Tell whether the answer is to say the same once more, as where a service was late."""
-    return not turn.ok and any(words in turn.reply for words in ("onfirm again", "say it again"))
-
-
 class Operator:
     """Talks to the running system as a person would, through the bus."""
 
@@ -97,7 +92,7 @@ class Operator:
         """Say a line and wait for its end. Raises ScenarioError."""
         turn = self._say(line.text, line)
         for _ in range(MOST_REPETITIONS):
-            if not wants_it_again(turn):
+            if not turn.retryable:
                 break
             turn = self._say(line.text, line)
         if turn.options and line.again:

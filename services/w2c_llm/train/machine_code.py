@@ -23,8 +23,8 @@ class MachineCode:
         """Raises ConfigError where there is no compiler."""
         if shutil.which(_COMPILER) is None:
             raise ConfigError(
-                f"--compile needs a C++ compiler and found no {_COMPILER}: install one (Debian: apt "
-                "install g++ python3-dev), or leave --compile out"
+                f"--compile needs a C++ compiler and found no {_COMPILER}: install one (Debian: "
+                "apt install g++ python3-dev), or leave --compile out"
             )
         # Batches have lengths of their own: one program for all of them.
         self._program: Callable[..., Any] = torch.compile(network, dynamic=True)

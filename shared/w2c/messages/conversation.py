@@ -119,6 +119,8 @@ class Turn(Message, frozen=True, kw_only=True):
     """To the operator"""
     ok: bool
     """False: nothing changed; the reply says why and what to do, or asks"""
+    retryable: bool = False
+    """Where not ok: the same, said again a little later, may be (a service was late)"""
     options: list[str] = []
     """What may be answered where the reply is a question"""
     target: Target | None = None

@@ -122,7 +122,7 @@ def test_nothing_moves_where_grounding_cannot_look(error: Exception) -> None:
     assert turn.target is not None
     world.grounding.error = error  # type: ignore[assignment]
     refused = confirm(world, turn.target.target_id)
-    assert not refused.ok
+    assert (refused.ok, refused.retryable) == (False, True)
     assert "could not look" in refused.reply
     assert str(error) in refused.reply
     assert not world.controller.goals

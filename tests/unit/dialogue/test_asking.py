@@ -129,6 +129,7 @@ def test_a_dead_service_leaves_the_question_open() -> None:
     world.model.answers["relative"] = [UnavailableError("nobody"), NEXT_TO["relative"][0]]
     turn = world.say("left")
     assert not turn.ok
+    assert turn.retryable
     assert "Still open" in turn.reply
     assert world.say("left").ok
 
@@ -139,6 +140,7 @@ def test_an_answer_after_the_picture_is_gone_is_refused() -> None:
         world.add_frame(stamp)
     turn = world.say("left")
     assert not turn.ok
+    assert turn.retryable
     assert "say it again" in turn.reply
 
 

@@ -216,6 +216,7 @@ def test_a_dead_language_model_moves_nothing(task: str, error: Exception) -> Non
     if task == "effector":
         turn = world.dialogue.confirm(ConfirmRequest(target_id=world.shown))
     assert not turn.ok
+    assert turn.retryable == (not isinstance(error, ModelError)), "the same words fail again"
     assert "Nothing changed" in turn.reply
     assert not world.controller.goals
 
