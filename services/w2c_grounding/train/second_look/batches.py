@@ -13,10 +13,15 @@ from w2c_grounding.second_look.network import SecondLookNetwork, said
 from w2c_grounding.sizes import SIZE_WORDS
 from w2c_grounding.train.asker import Asker, Question
 from w2c_grounding.train.second_look import squares as cut
+from w2c_grounding.train.second_look.kinds import Kinds
 from w2c_grounding.train.second_look.squares import Squares
 
 PICTURES = 18
 """In a step"""
+GROUPS, OF_A_GROUP = 3, 4
+"""Of these pictures: so many of each of some kinds of things"""
+TELLING = 3
+"""Phrases of such a picture that tell its thing of that kind from others of it"""
 PRESENT, ABSENT = 8, 4
 """Phrases of a picture in a step"""
 DRAWN = 3
@@ -53,29 +58,38 @@ class SquareBatches:
         self._seed = seed
         self._known = network.numbers
         self._asker = Asker(squares.truths)
+        self._kinds = Kinds(squares)
         self._drawn: dict[int, tuple[list[Question], list[Question]]] = {}
 
     def make(self, step: int) -> SquareBatch:
         """Return the batch of a step."""
         rng = np.random.default_rng([self._seed, 6, step])
-        numbers: list[int] = []
+        alike = self._kinds.draw(GROUPS, OF_A_GROUP, rng)[:PICTURES]
+        others = rng.choice(len(self._squares.truths), PICTURES - len(alike))
+        # A picture that was drawn twice would be asked against itself.
+        pictures = dict([*((number, "") for number in others.tolist()), *alike])
+        numbers = [n for picture in pictures for n in self._squares.of_picture[picture]]
+        place = {number: n for n, number in enumerate(numbers)}
         phrases: list[str] = []
         pairs: list[tuple[int, int]] = []
         fits: list[bool] = []
-        pictures = rng.choice(len(self._squares.truths), PICTURES)
-        for picture in pictures.tolist():
+        for picture, kind in pictures.items():
             mine = self._squares.of_picture[picture]
-            place = {number: len(numbers) + n for n, number in enumerate(mine)}
-            for question in self._some(picture, rng):
-                for number in mine:
-                    one = self._squares.cuts[number]
-                    meant = one.inside.intersection(question.identities)
-                    if one.item is None and meant:
-                        continue  # a piece of it, perhaps: neither right nor wrong
+            foreign = [number for number in numbers if number not in mine]
+            for question in self._questions(picture, kind, rng):
+                here = self._here(mine, question)
+                meant = [
+                    one.item
+                    for number, right in here
+                    if right and (one := self._squares.cuts[number]).item is not None
+                ]
+                for number, right in (
+                    *here,
+                    *self._kinds.elsewhere(question.phrase, meant, foreign),
+                ):
                     pairs.append((place[number], len(phrases)))
-                    fits.append(bool(meant))
+                    fits.append(right)
                 phrases.append(question.phrase)
-            numbers += mine
         chosen = np.array(numbers)
         generator = torch.Generator().manual_seed(int(rng.integers(2**31)))
         pixels = torch.from_numpy(self._squares.pixels[chosen]).permute(0, 3, 1, 2)
@@ -86,6 +100,25 @@ class SquareBatches:
             pairs=torch.tensor(pairs),
             fits=torch.tensor(fits, dtype=torch.float32),
         )
+
+    def _questions(self, picture: int, kind: str, rng: np.random.Generator) -> list[Question]:
+        """Return what is asked of a picture; `kind` = that it was chosen for, "" = by chance."""
+        asked = self._some(picture, rng)
+        if kind:
+            telling = self._kinds.questions(self._squares.truths[picture], kind, TELLING, rng)
+            asked += [one for one in telling if self._is_known(one.phrase)]
+        return asked
+
+    def _here(self, mine: range, question: Question) -> list[tuple[int, bool]]:
+        """Return which squares of its own picture a question means."""
+        answers = []
+        for number in mine:
+            one = self._squares.cuts[number]
+            meant = one.inside.intersection(question.identities)
+            if one.item is None and meant:
+                continue  # a piece of it, perhaps: neither right nor wrong
+            answers.append((number, bool(meant)))
+        return answers
 
     def _some(self, picture: int, rng: np.random.Generator) -> list[Question]:
         if picture not in self._drawn:
