@@ -39,7 +39,7 @@ def predict(
     u, v = pointed.pixel or upper or seen.point
     if not (0 <= u <= frame.width and 0 <= v <= frame.height):
         raise RefusedError(
-            f"'{seen.phrase}' was found at ({u:.0f}, {v:.0f}), outside the picture; say it again."
+            f"'{seen.phrase}' was found at ({u:.0f}, {v:.0f}), outside the picture; point at it."
         )
     objects = (SceneObject(seen.phrase, seen.boxes[0]),) if seen.boxes else ()
     warnings = unknown_warnings([seen]) + ((pointed.warning,) if pointed.warning else ())

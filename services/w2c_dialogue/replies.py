@@ -38,7 +38,7 @@ def failure(error: W2CError, step: str) -> str:
         return (
             f"The {service} did not answer in time ({error}). Nothing changed; please say it again."
         )
-    return f"The {service} failed ({error}). Nothing changed; please say it again."
+    return f"The {service} failed ({error}). Nothing changed; look at `w2c status`."
 
 
 def proposal(target: Target, position: str) -> str:

@@ -48,8 +48,8 @@ def look(
     evidence = grounding.ground(frame, phrases, want)
     if len(evidence) != len(phrases):
         raise RefusedError(
-            f"I asked about {len(phrases)} objects and was told about {len(evidence)}; say it "
-            "again."
+            f"I asked about {len(phrases)} objects and was told about {len(evidence)}; say it in "
+            "other words."
         )
     for phrase, seen in zip(phrases, evidence, strict=True):
         if not seen.found:

@@ -5,7 +5,7 @@ While the robot moves, a correction starts from the target it moves to, and keep
 
 from collections.abc import Callable
 
-from w2c.errors import CallError, RefusedError
+from w2c.errors import CallError, NotNowError, RefusedError
 from w2c.messages import LiftReply, PhraseEvidence, PointRequest
 from w2c_dialogue import absolute, relative, replies, which
 from w2c_dialogue.advice.pointing import MaskedPointing
@@ -211,7 +211,13 @@ class Targeting:
             return self._settle(settled, frame, finish, then)
 
         def answered(choice: int, then: Services) -> Outcome:
-            self._frames.find(frame.stamp_ns, frame.robot_boot_id)  # refuses one that is gone
+            try:
+                self._frames.find(frame.stamp_ns, frame.robot_boot_id)
+            except NotNowError as error:
+                # The question is about it: it does not come back.
+                raise RefusedError(
+                    "The picture that I asked about is gone. Name the place again."
+                ) from error
             return take(choice, then)
 
         meant = which.read_phrase(seen.phrase, boxes)

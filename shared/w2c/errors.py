@@ -102,7 +102,10 @@ class RefusedError(CallError):
 
 
 class NotNowError(RefusedError):
-    """Refused for the moment: the same request may be granted a little later."""
+    """Refused for the moment: the same request may be granted a little later.
+
+    Over the bus it is a `RefusedError`.
+    """
 
     retryable = True
 

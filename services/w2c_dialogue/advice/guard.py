@@ -60,7 +60,7 @@ class Guard:
         try:
             seen = self._watch.look(frame)
         except CallError as error:
-            return Verdict(named=named, failure=str(error))
+            return Verdict(named=named, failure=str(error), retryable=error.retryable)
         found = hits(seen.of(self._phrases), place, self._share)
         unknown = tuple(phrase for phrase in self._phrases if phrase in seen.unknown)
         return Verdict(found, named, unknown)
@@ -78,12 +78,12 @@ class Guard:
 
         Raises:
             RefusedError: the target must not be touched.
-            NotNowError: nobody could look whether it may.
+            NotNowError: nobody could look whether it may, just now.
         """
         verdict = self.verdict(shown)
         refusal = self.refusal(verdict)
         if refusal:
-            raise RefusedError(refusal) if verdict.vetoed else NotNowError(refusal)
+            raise NotNowError(refusal) if verdict.retryable else RefusedError(refusal)
         if verdict.failure:
             return f" I did not look for what I must not touch: {verdict.failure}."
         return ""

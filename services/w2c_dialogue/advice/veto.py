@@ -20,6 +20,8 @@ class Verdict:
     """No-go phrases that the vision model does not know: they were not looked for"""
     failure: str = ""
     """Why the picture was not looked at; "" = it was"""
+    retryable: bool = False
+    """Where it was not: it may be a little later"""
 
     @property
     def vetoed(self) -> bool:

@@ -40,6 +40,8 @@ class ObjectTruth(msgspec.Struct, frozen=True):
     """All phrases that fit it"""
     visible_pixels: int
     material: str = ""
+    looks_like: tuple[str, ...] = ()
+    """Words of materials of which it is not, but might be, as far as people see"""
     parts: tuple[PartTruth, ...] = ()
     held_out: bool = False
     """Kind and colour never occur together in pictures for training"""

@@ -60,9 +60,10 @@ def load(path: Path) -> Checkpoint:
 def expect_same(path: Path, checkpoint: Checkpoint, identity: dict[str, str]) -> None:
     """Refuse to go on with anything but what the run began with. Raises ConfigError."""
     changed = [
-        f"{name} was {checkpoint.identity.get(name, 'not there')}, now {value}"
-        for name, value in identity.items()
-        if checkpoint.identity.get(name) != value
+        f"{name} was {checkpoint.identity.get(name, 'not given')}, now "
+        f"{identity.get(name, 'not given')}"
+        for name in {**checkpoint.identity, **identity}
+        if checkpoint.identity.get(name) != identity.get(name)
     ]
     if changed:
         raise ConfigError(

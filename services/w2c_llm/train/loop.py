@@ -19,11 +19,11 @@ from w2c.errors import ModelError
 from w2c_llm.train.batches import Batch, Mixture, epoch_groups, make_batch
 from w2c_llm.train.device import CPU, Device
 from w2c_llm.train.dropout import Dropout
-from w2c_llm.train.machine_code import MachineCode
+from w2c_llm.train.machine_code import as_machine_code, compiling
 from w2c_llm.train.optimizer import Optimizer
 
 _STEPS_OF_A_RISE = 100
-"""After a growth; as far as the optimizers' averages reach back"""
+"""After a growth, at most; as far as the optimizers' averages reach back"""
 _MOST_SKIPPED = 20
 """Steps without a finite gradient, after which something is wrong with rate or data"""
 
@@ -49,8 +49,7 @@ class Recipe:
     dropout: float = 0.0
     """Share of what each block adds that is left out"""
     compiled: bool = False
-    """Whether the network becomes machine code first: half a minute, then a step takes a fifth less
-    time"""
+    """Whether the network becomes machine code first"""
     closing_s: float = 60.0
     """Kept back from the minutes for scores and export, at most a tenth of them"""
     seed: int = 0
@@ -95,7 +94,8 @@ class Progress:
         rate = learning_rate(recipe, self.fraction(recipe))
         if self.grown_at is None:
             return rate
-        return rate * min((self.step - self.grown_at + 1) / _STEPS_OF_A_RISE, 1.0)
+        steps = min(_STEPS_OF_A_RISE, 1 + self.grown_at // 4)
+        return rate * min((self.step - self.grown_at + 1) / steps, 1.0)
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class Trainer:
         # The network itself stays as it is, for scores and export: one program less to compile.
         self._body: Callable[..., Any] = network.model
         if recipe.compiled:
-            self._body = MachineCode(network.model)
+            self._body = as_machine_code(network.model)
         self._optimizer = Optimizer(network, recipe.weight_decay, bf16=device.bf16)
         self._clock = clock
         self._started_ns = started_ns
@@ -180,6 +180,8 @@ class Trainer:
             ModelError: gradients are not finite, again and again.
         """
         self.network.train()
+        if self.recipe.compiled:
+            self._compile(mixture)
         self._look_at_clock()
         if self.progress.step == 0:
             self.progress.began = self.progress.seconds
@@ -199,6 +201,16 @@ class Trainer:
         listeners.checkpoint()
         listeners.report(self._report(losses))
         return self.progress.fraction(self.recipe) >= until
+
+    def _compile(self, mixture: Mixture) -> None:
+        """Take a step that changes nothing: the rate is not to rise while a compiler works."""
+        examples = mixture.examples[: self.recipe.batch]
+        self._dropout.begin_step(0)
+        with compiling():
+            with self.device.autocast():
+                loss = self._weighted_loss(make_batch(examples, 0.0, self.device.torch_device))
+            torch.autograd.backward(loss)
+        self._optimizer.clear()
 
     def _batches(self, mixture: Mixture, until: float) -> Iterator[Batch]:
         """Yield the batches that are left of this share of the budget, and keep count."""

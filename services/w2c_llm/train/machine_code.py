@@ -2,7 +2,8 @@
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import torch
@@ -10,31 +11,32 @@ from torch._dynamo.exc import TorchDynamoException
 
 from w2c.errors import ConfigError
 
-_COMPILER = os.environ.get("CXX", "g++")
 
+def as_machine_code(network: torch.nn.Module) -> Callable[..., Any]:
+    """Return what calls a network, and is compiled when it is first called and learned from.
 
-class MachineCode:
-    """Calls a network that is compiled at its first call, in half a minute.
-
-    Its weights are those of the network.
+    Its weights are those of the network. Raises ConfigError where there is no compiler.
     """
+    compiler = os.environ.get("CXX", "g++")
+    if shutil.which(compiler) is None:
+        raise ConfigError(
+            f"--compile needs a C++ compiler and found no {compiler}: install one (Debian: "
+            "apt install g++ python3-dev), or leave --compile out"
+        )
+    # Batches have lengths of their own: one program for all of them.
+    program: Callable[..., Any] = torch.compile(network, dynamic=True)
+    return program
 
-    def __init__(self, network: torch.nn.Module) -> None:
-        """Raises ConfigError where there is no compiler."""
-        if shutil.which(_COMPILER) is None:
-            raise ConfigError(
-                f"--compile needs a C++ compiler and found no {_COMPILER}: install one (Debian: "
-                "apt install g++ python3-dev), or leave --compile out"
-            )
-        # Batches have lengths of their own: one program for all of them.
-        self._program: Callable[..., Any] = torch.compile(network, dynamic=True)
 
-    def __call__(self, **arguments: torch.Tensor) -> Any:
-        """Return what the network returns. Raises ConfigError where it cannot be compiled."""
-        try:
-            return self._program(**arguments)
-        except TorchDynamoException as error:
-            reason = str(error).strip().splitlines()[0]
-            raise ConfigError(
-                f"--compile: the network cannot be compiled ({reason}); leave --compile out"
-            ) from error
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Tell what is wrong where a first step cannot be compiled. Raises ConfigError."""
+    try:
+        yield
+    except TorchDynamoException as error:
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        reason = next((line for line in lines if "error:" in line), "".join(lines[:1]))
+        raise ConfigError(
+            f"--compile: the network cannot be compiled ({reason or type(error).__name__}); "
+            "Debian's packages g++ and python3-dev are needed; or leave --compile out"
+        ) from error

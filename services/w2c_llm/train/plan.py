@@ -7,6 +7,8 @@ from typing import Literal
 from w2c.errors import ConfigError
 
 WeightsName = Literal["f32", "f16", "q8_0"]
+LAYERS = 6
+"""Of a new network"""
 SCRATCH_RATE, CONTINUED_RATE = 5e-3, 1e-3
 """Peak learning rates: a trained network forgets at the first of them"""
 
@@ -72,7 +74,6 @@ class TrainingPlan:
             ("--seed", self.seed, 0, 2**31 - 1),
             ("--with-share", self.dialogues_share, 0.001, 0.9),
             ("--layers", self.shape.layers or 1, 1, 64),
-            ("--begin-layers", self.shape.begin_layers or 1, 1, self.shape.layers or 64),
             ("--width", self.shape.width or 64, 64, 4096),
             ("--feed-forward", self.shape.feed_forward or 32, 32, 16384),
             # 256 bytes and the special tokens are always there; a token is two bytes on disk.
@@ -88,10 +89,20 @@ class TrainingPlan:
             unit = 64 if name == "--width" else 32
             if size is not None and size % unit:
                 raise ConfigError(f"{name} is {size}; it must be a multiple of {unit}")
-        if self.begin_with and self.shape.begin_layers:
+        self._check_growth()
+
+    def _check_growth(self) -> None:
+        begin, layers = self.shape.begin_layers, self.shape.layers or LAYERS
+        if begin is None:
+            return
+        if self.begin_with:
             raise ConfigError(
                 "--begin-layers is for random weights; with --from leave it out, and give --layers "
                 "for a deeper network"
+            )
+        if not 1 <= begin < layers:
+            raise ConfigError(
+                f"--begin-layers is {begin}; it must be 1 to {layers - 1}, less than --layers"
             )
 
 

@@ -18,9 +18,9 @@ from w2c_llm.train.data import Source, digest, encode_source, read_dialogues, re
 from w2c_llm.train.device import Device, best_device
 from w2c_llm.train.export import Card, export_gguf
 from w2c_llm.train.growth import deepened
-from w2c_llm.train.loop import Listeners, Recipe, Report, Trainer
+from w2c_llm.train.loop import Listeners, Progress, Recipe, Report, Trainer
 from w2c_llm.train.origin import Origin
-from w2c_llm.train.plan import TrainingPlan, TrainingResult
+from w2c_llm.train.plan import LAYERS, TrainingPlan, TrainingResult
 from w2c_llm.train.scoring import exact_matches, match_rates
 from w2c_llm.train.tokenizer import EncodedExample
 from w2c_llm.train.verification import verify_export
@@ -85,7 +85,7 @@ class Run:
             return trainer.train(mixture, listeners, until)
 
         layers = final_layers(self._plan.shape, origin)
-        if origin.size.layers < layers and train(origin, trainer, _GROWS_AT):
+        if origin.size.layers < layers and train(origin, trainer, _GROWS_AT) and not stopped():
             origin = deepened(origin, layers)
             trainer = trainer.grown(origin.network)
             self._log(f"{layers} layers from here on")
@@ -114,6 +114,12 @@ class Run:
             "--with": "nothing",
             "--from": " ".join(digest(path) for path in plan.begin_with) or "nothing",
         }
+        if plan.shape.begin_layers is not None:
+            layers = plan.shape.layers or LAYERS
+            identity["--begin-layers"] = f"{plan.shape.begin_layers}, growing to {layers}"
+        if plan.compiled:
+            # Its sums are rounded otherwise: half a run of each would be neither.
+            identity["--compile"] = "given"
         if plan.dialogues is not None:
             identity["--with"] = f"{sources[1].digest}, a share of {plan.dialogues_share:g}"
         return identity
@@ -224,7 +230,7 @@ class Run:
             data=tuple(_describe(source) for source in sources),
             origin=_name_origins(plan.begin_with),
             recipe=f"Muon and AdamW, cosine from {plan.rate:g}, batches of {plan.batch}, "
-            f"dropout {plan.dropout:g}",
+            f"dropout {plan.dropout:g}{_growth(plan, progress)}",
             examples_seen=progress.examples,
             epochs=progress.examples / len(mixture.order),
             steps=progress.step,
@@ -251,6 +257,12 @@ class Run:
             largest_logit_difference=difference,
             seed=plan.seed,
         )
+
+
+def _growth(plan: TrainingPlan, progress: Progress) -> str:
+    if plan.shape.begin_layers is None:
+        return ""
+    return f"; {plan.shape.begin_layers} layers up to step {progress.grown_at}"
 
 
 def _name_origins(paths: Sequence[Path]) -> str:

@@ -21,7 +21,7 @@ from w2c_sim_robot.scenes.picture_set import PictureSet, SetDescription
 from w2c_sim_robot.scenes.pool import Pool, Shot
 from w2c_sim_robot.scenes.random_scene import random_scene
 from w2c_sim_robot.scenes.scene import Scene, SceneObject
-from w2c_sim_robot.scenes.wording import parts_of, phrases_in
+from w2c_sim_robot.scenes.wording import doubtful_words, parts_of, phrases_in
 
 JPEG_QUALITY = 95
 DEPTH_UNIT = 0.00025
@@ -154,6 +154,7 @@ def _object_truth(
         "kind": item.kind,
         "colour": item.colour,
         "material": item.material,
+        "looks_like": list(doubtful_words(item)),
         "names": list(item.names),
         "phrases": list(phrases),
         "own_phrases": [phrase for phrase in phrases if phrase not in elsewhere],

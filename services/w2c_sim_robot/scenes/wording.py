@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from w2c_sim_robot.scenes.objects.catalogue import shape_of
-from w2c_sim_robot.scenes.objects.looks import tells_apart
+from w2c_sim_robot.scenes.objects.looks import lookalikes, tells_apart
 from w2c_sim_robot.scenes.objects.materials import FINISHES, adjective
 from w2c_sim_robot.scenes.objects.shape import Size
 from w2c_sim_robot.scenes.scene import SceneObject
@@ -52,6 +52,12 @@ def phrases_in(item: SceneObject, scene: Sequence[SceneObject]) -> tuple[str, ..
         if part.name and part.material in FINISHES:
             phrases.append(f"thing with the {adjective(part.material)} {part.name}")
     return tuple(dict.fromkeys(phrases))
+
+
+def doubtful_words(item: SceneObject) -> tuple[str, ...]:
+    """Return what is said of materials that it is not of, but might be, as far as people see."""
+    others = lookalikes(item.kind, item.material, item.colour)
+    return tuple(dict.fromkeys(word for one in others for word in (one, adjective(one))))
 
 
 def _material_words(item: SceneObject, scene: Sequence[SceneObject]) -> list[str]:

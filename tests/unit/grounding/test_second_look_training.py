@@ -44,7 +44,8 @@ def squares(data: Path) -> Squares:
 @pytest.fixture(autouse=True, scope="module")
 def few_pictures_a_step() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(batches, "PICTURES", 6)
+        patch.setattr(batches, "BY_CHANCE", 2)
+        patch.setattr(batches, "OF_A_GROUP", 2)
         yield
 
 

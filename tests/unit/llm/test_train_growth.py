@@ -116,26 +116,44 @@ def test_a_run_grows_when_a_third_of_its_budget_is_spent(tmp_path: Path) -> None
     assert result is not None
     assert read_origin(result.model_path).size.layers == 3
     assert "3 layers from here on" in lines
-    assert "3 layers, width 64" in result.card_path.read_text()
+    card = result.card_path.read_text()
+    assert "3 layers, width 64" in card
+    assert "1 layers up to step 2" in card
     assert read_origin(tmp_path / "run" / CHECKPOINT).size.layers == 3
 
 
-@pytest.mark.parametrize(("stop_after", "layers"), [(1, 1), (4, 3)])
-def test_a_run_is_resumed_before_and_after_it_grew(
+@pytest.mark.parametrize(("stop_after", "layers"), [(1, 1), (2, 1), (4, 3)])
+def test_a_run_that_is_stopped_before_or_after_it_grew_ends_as_an_uninterrupted_one(
     stop_after: int, layers: int, tmp_path: Path
 ) -> None:
-    asked = iter(range(1, 100))
-    lines: list[str] = []
-    assert Run(plan(tmp_path), lines.append)(lambda: next(asked) >= stop_after) is None
+    assert Run(plan(tmp_path, output=tmp_path / "whole"), print)() is not None
+    asked = iter([*range(1, stop_after + 1), *[stop_after] * 9])
+    assert Run(plan(tmp_path), print)(lambda: next(asked) >= stop_after) is None
     assert read_origin(tmp_path / "run" / CHECKPOINT).size.layers == layers
-    result = Run(plan(tmp_path, resume=True), lines.append)()
+    result = Run(plan(tmp_path, resume=True), print)()
     assert result is not None
     assert result.steps == 6
-    assert read_origin(result.model_path).size.layers == 3
+    whole = read_origin(tmp_path / "whole" / CHECKPOINT).network.state_dict()
+    for name, weight in read_origin(tmp_path / "run" / CHECKPOINT).network.state_dict().items():
+        assert torch.equal(weight, whole[name]), name
+
+
+def test_a_run_that_grows_is_resumed_as_it_was_begun(tmp_path: Path) -> None:
+    assert Run(plan(tmp_path), print)(lambda: True) is None
+    for shape, said in (
+        (Shape(width=64), "--begin-layers was 1, growing to 3, now not given"),
+        (Shape(layers=4, begin_layers=1), "now 1, growing to 4"),
+    ):
+        with pytest.raises(ConfigError, match=said):
+            Run(plan(tmp_path, shape=shape, resume=True), print)()
 
 
 def test_what_cannot_grow_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"--begin-layers is 4; it must be 1 to 3"):
-        Run(plan(tmp_path, shape=Shape(layers=3, begin_layers=4)), print)
+    for begin, layers, most in ((4, 3, 2), (3, 3, 2), (0, 3, 2), (8, None, 5)):
+        shape = Shape(layers=layers, begin_layers=begin)
+        with pytest.raises(
+            ConfigError, match=rf"--begin-layers is {begin}; it must be 1 to {most}"
+        ):
+            Run(plan(tmp_path, shape=shape), print)
     with pytest.raises(ConfigError, match=r"--begin-layers is for random weights; with --from"):
         Run(plan(tmp_path, begin_with=(tmp_path / "model.gguf",)), print)

@@ -1,4 +1,7 @@
-"""One step's squares and questions: which of the squares of its picture each phrase fits."""
+"""One step's squares and questions: which squares each phrase fits.
+
+Those of its picture are asked, and things of its kind in the other pictures of the step.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,10 +19,10 @@ from w2c_grounding.train.second_look import squares as cut
 from w2c_grounding.train.second_look.kinds import Kinds
 from w2c_grounding.train.second_look.squares import Squares
 
-PICTURES = 18
-"""In a step"""
+BY_CHANCE = 6
+"""Pictures of a step"""
 GROUPS, OF_A_GROUP = 3, 4
-"""Of these pictures: so many of each of some kinds of things"""
+"""And besides them so many that hold one kind of thing, for some kinds"""
 TELLING = 3
 """Phrases of such a picture that tell its thing of that kind from others of it"""
 PRESENT, ABSENT = 8, 4
@@ -45,7 +48,7 @@ class SquareBatch:
     """(n,) of the squares in the set"""
     phrases: list[str]
     pairs: torch.Tensor
-    """(p, 2) square and phrase of the same picture, both of this batch"""
+    """(p, 2) square and phrase, both of this batch; those of a phrase are together"""
     fits: torch.Tensor
     """(p,) 1 where the phrase fits what the square shows, else 0"""
 
@@ -64,8 +67,8 @@ class SquareBatches:
     def make(self, step: int) -> SquareBatch:
         """Return the batch of a step."""
         rng = np.random.default_rng([self._seed, 6, step])
-        alike = self._kinds.draw(GROUPS, OF_A_GROUP, rng)[:PICTURES]
-        others = rng.choice(len(self._squares.truths), PICTURES - len(alike))
+        alike = self._kinds.draw(GROUPS, OF_A_GROUP, rng)
+        others = rng.choice(len(self._squares.truths), BY_CHANCE)
         # A picture that was drawn twice would be asked against itself.
         pictures = dict([*((number, "") for number in others.tolist()), *alike])
         numbers = [n for picture in pictures for n in self._squares.of_picture[picture]]

@@ -5,18 +5,19 @@ pictures holds many such pairs: "the leather book" is to be told from the paper 
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
 from w2c_grounding.second_look.network import ARTICLES
 from w2c_grounding.train.asker import FURNITURE, Question, framed
-from w2c_grounding.train.data import MIN_VISIBLE_SHARE, ObjectTruth, PictureTruth
+from w2c_grounding.train.data import ObjectTruth, PictureTruth
 from w2c_grounding.train.phrases import PhraseKind, could_fit, fitting, kind_of
 from w2c_grounding.train.second_look.squares import Squares
 from w2c_grounding.train.uses import is_use
+from w2c_grounding.wording import words
 
-TELLING: tuple[tuple[PhraseKind, float], ...] = (("material", 0.65), ("colour", 0.35))
+TOLD_BY: tuple[tuple[PhraseKind, float], ...] = (("material", 0.65), ("colour", 0.35))
 """What a thing is told from others of its kind by, and how often"""
 
 
@@ -25,41 +26,38 @@ class Kinds:
 
     def __init__(self, squares: Squares) -> None:
         self._squares = squares
-        self._pictures: dict[str, list[int]] = defaultdict(list)
+        pictures: dict[str, list[int]] = defaultdict(list)
         for number, truth in enumerate(squares.truths):
             for kind in sorted({item.kind for item in truth.clearly_visible()} - FURNITURE):
-                self._pictures[kind].append(number)
-        kinds = sorted(self._pictures)
-        counts = np.array([len(self._pictures[kind]) for kind in kinds], dtype=float)
-        self._kinds = kinds
+                pictures[kind].append(number)
+        # One picture of a kind has nothing to be compared with.
+        self._pictures = {kind: numbers for kind, numbers in pictures.items() if len(numbers) > 1}
+        self._kinds = sorted(self._pictures)
+        counts = np.array([len(self._pictures[kind]) for kind in self._kinds], dtype=float)
         # Rare kinds come more often than by their number, common ones less.
         self._shares = np.sqrt(counts) / max(float(np.sqrt(counts).sum()), 1.0)
 
     def draw(self, groups: int, size: int, rng: np.random.Generator) -> list[tuple[int, str]]:
-        """Return pictures (number, kind that it was chosen for): `size` of each of some kinds."""
-        if not self._kinds:
+        """Return pictures (number, kind that it was chosen for): up to `size` of some kinds."""
+        groups = min(groups, len(self._kinds))
+        if groups == 0:
             return []
-        chosen = rng.choice(len(self._kinds), groups, p=self._shares)
-        return [
-            (int(picture), self._kinds[kind])
-            for kind in chosen.tolist()
-            for picture in rng.choice(self._pictures[self._kinds[kind]], size)
-        ]
+        drawn = []
+        for kind in rng.choice(len(self._kinds), groups, replace=False, p=self._shares).tolist():
+            having = self._pictures[self._kinds[kind]]
+            some = rng.choice(len(having), min(size, len(having)), replace=False).tolist()
+            drawn += [(having[number], self._kinds[kind]) for number in some]
+        return drawn
 
     def questions(
         self, truth: PictureTruth, kind: str, count: int, rng: np.random.Generator
     ) -> list[Question]:
         """Return phrases that tell the things of a kind from others of that kind."""
-        things = [
-            item
-            for item in truth.objects
-            if item.kind == kind
-            and item.visible_pixels >= MIN_VISIBLE_SHARE * truth.width * truth.height
-        ]
+        things = [item for item in truth.clearly_visible() if item.kind == kind]
         found: list[Question] = []
         for _ in range(count if things else 0):
             item = things[int(rng.integers(len(things)))]
-            wanted = TELLING[int(rng.choice(len(TELLING), p=[share for _, share in TELLING]))][0]
+            wanted = TOLD_BY[int(rng.choice(len(TOLD_BY), p=[share for _, share in TOLD_BY]))][0]
             texts = [text for text in item.phrases if kind_of(item, text) == wanted]
             if texts:
                 text = texts[int(rng.integers(len(texts)))]
@@ -67,7 +65,7 @@ class Kinds:
         return found
 
     def elsewhere(
-        self, phrase: str, meant: Iterable[ObjectTruth], others: Sequence[int]
+        self, phrase: str, meant: Iterable[ObjectTruth], others: Iterable[int]
     ) -> list[tuple[int, bool]]:
         """Return which squares of other pictures a phrase fits (number, whether it does).
 
@@ -76,10 +74,11 @@ class Kinds:
             meant: The things that it means there: squares of other kinds are left out.
             others: Numbers of squares.
         """
-        kinds = {item.kind for item in meant}
+        kinds = {item.kind for item in meant} - FURNITURE
         bare = _bare(phrase)
-        if is_use(bare):
-            return []  # it says no more than the kind
+        if not kinds or is_use(bare):
+            return []  # a use says no more than the kind
+        spoken = set(words(bare))
         answers = []
         for number in others:
             item = self._squares.cuts[number].item
@@ -88,7 +87,7 @@ class Kinds:
             alone = _alone(item)
             if fitting(alone, bare):
                 answers.append((number, True))
-            elif not could_fit(alone, bare):
+            elif not could_fit(alone, bare) and spoken.isdisjoint(item.looks_like):
                 answers.append((number, False))
         return answers
 

@@ -10,12 +10,12 @@ CHOICE = 0.5
 def match_loss(
     logits: torch.Tensor, fits: torch.Tensor, phrases: torch.Tensor, count: int
 ) -> torch.Tensor:
-    """Return the loss of squares against the phrases of their picture.
+    """Return the loss of squares against the phrases that are asked of them.
 
     Two terms. The cross-entropy of each pair of a square and a phrase, those that fit and those
     that don't counting the same. And for each phrase that fits some, how likely a square drawn
-    from the soft-max over its picture is one of them: one of two of a kind is to be told apart
-    from the other, however alike both are to all else.
+    from the soft-max over all that it is asked of is one of them: one of two of a kind is to be
+    told apart from the other, however alike both are to all else.
 
     Args:
         logits: (pairs,).

@@ -55,6 +55,15 @@ def tells_apart(kind: str, one: str, other: str, *colours: str) -> bool:
     return stronger >= PLAIN and (stronger - weaker >= OTHER or weaker >= SEEN)
 
 
+def lookalikes(kind: str, material: str, colour: str) -> tuple[str, ...]:
+    """Return the other materials of which a thing might be, as far as people see."""
+    return tuple(
+        other
+        for other in KINDS[kind].materials
+        if other != material and not tells_apart(kind, material, other, colour)
+    )
+
+
 @cache
 def look_of(kind: str, material: str) -> Look:
     """Return the look of a kind of thing that is made of a material."""
