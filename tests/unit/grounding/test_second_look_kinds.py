@@ -12,7 +12,6 @@ from w2c_grounding.train.second_look.kinds import Kinds
 from w2c_grounding.train.second_look.squares import SIDE, Cut, Squares
 from w2c_grounding.train.vocabulary import vocabulary_of
 
-
 LOOKS_LIKE = {"black": ("leather",)}
 """On black nothing is seen"""
 
