@@ -40,8 +40,6 @@ class ObjectTruth(msgspec.Struct, frozen=True):
     """All phrases that fit it"""
     visible_pixels: int
     material: str = ""
-    looks_like: tuple[str, ...] = ()
-    """Words of materials of which it is not, but might be, as far as people see"""
     parts: tuple[PartTruth, ...] = ()
     held_out: bool = False
     """Kind and colour never occur together in pictures for training"""
@@ -52,6 +50,8 @@ class ObjectTruth(msgspec.Struct, frozen=True):
     box: tuple[int, int, int, int] | None = None
     """Left, top, right, bottom of what shows of it in the whole picture [px]; the last two are
     exclusive"""
+    looks_like: tuple[str, ...] = ()
+    """Words of materials of which it is not, but might be, as far as people see"""
 
 
 class PictureTruth(msgspec.Struct, frozen=True):

@@ -20,7 +20,7 @@ def thing(number: int, kind: str, colour: str, material: str) -> ObjectTruth:
     names = (kind,)
     phrases = (kind, f"{colour} {kind}", f"{material} {kind}", f"{colour} {material} {kind}")
     looks_like = LOOKS_LIKE.get(colour, ())
-    return ObjectTruth(number, kind, colour, names, phrases, 400, material, looks_like)
+    return ObjectTruth(number, kind, colour, names, phrases, 400, material, looks_like=looks_like)
 
 
 PICTURES = (
