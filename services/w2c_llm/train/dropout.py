@@ -25,23 +25,30 @@ class Dropout:
         self._kept = 1.0 - share
         self._seed = seed
         self._generator = torch.Generator(network.device)
+        self._width = network.config.hidden_size
+        self._blocks: list[Any] = []
         if share > 0.0:
             for layer in network.model.layers:
-                layer.self_attn.register_forward_hook(self._drop_first)
-                layer.mlp.register_forward_hook(self._drop)
+                for block in (layer.self_attn, layer.mlp):
+                    # A place that is filled in each step: the compiler reads it as an input, and
+                    # would break the network in pieces where random numbers are drawn inside.
+                    block.dropped = torch.ones(1)
+                    block.register_forward_hook(_drop)
+                    self._blocks.append(block)
 
-    def begin_step(self, step: int) -> None:
-        """Draw the masks of this step from here on."""
+    def begin_step(self, step: int, examples: int) -> None:
+        """Draw the masks of a step for so many sentences."""
         self._generator.manual_seed(self._seed * 1_000_003 + step)
+        for block in self._blocks:
+            mask = torch.empty(examples, 1, self._width, device=self._generator.device)
+            block.dropped = mask.bernoulli_(self._kept, generator=self._generator).div_(self._kept)
 
-    def _drop_first(
-        self, block: torch.nn.Module, _: Any, output: tuple[torch.Tensor, Any]
-    ) -> tuple[torch.Tensor, Any]:
-        return self._drop(block, _, output[0]), output[1]
 
-    def _drop(self, block: torch.nn.Module, _: Any, output: torch.Tensor) -> torch.Tensor:
-        if not block.training:
-            return output
-        mask = torch.empty_like(output[:, :1])
-        mask.bernoulli_(self._kept, generator=self._generator)
-        return output * mask.div_(self._kept)
+def _drop(block: Any, _: Any, output: Any) -> Any:
+    """Leave out what a block adds; attention returns it with its weights."""
+    if not block.training:
+        return output
+    mask: torch.Tensor = block.dropped
+    if isinstance(output, tuple):
+        return output[0] * mask.to(output[0].dtype), *output[1:]
+    return output * mask.to(output.dtype)

@@ -205,7 +205,7 @@ class Trainer:
     def _compile(self, mixture: Mixture) -> None:
         """Take a step that changes nothing: the rate is not to rise while a compiler works."""
         examples = mixture.examples[: self.recipe.batch]
-        self._dropout.begin_step(0)
+        self._dropout.begin_step(0, len(examples))
         with compiling():
             with self.device.autocast():
                 loss = self._weighted_loss(make_batch(examples, 0.0, self.device.torch_device))
@@ -240,7 +240,7 @@ class Trainer:
     def _step(self, batch: Batch) -> float:
         """Take one step and return the loss."""
         rate = self.progress.rate(self.recipe)
-        self._dropout.begin_step(self.progress.step)
+        self._dropout.begin_step(self.progress.step, len(batch.tokens))
         with self.device.autocast():
             loss = self._weighted_loss(batch)
         self._optimizer.clear()

@@ -27,7 +27,7 @@ def test_a_step_draws_the_same_masks_again_and_another_step_others() -> None:
     dropout = Dropout(asked, 0.3, seed=4)
     found = []
     for step in (1, 2, 1):
-        dropout.begin_step(step)
+        dropout.begin_step(step, len(TOKENS))
         found.append(answer(asked))
 
     assert torch.equal(found[0], found[2])
@@ -38,7 +38,7 @@ def test_another_seed_draws_other_masks() -> None:
     found = []
     for seed in (1, 2):
         asked = network()
-        Dropout(asked, 0.3, seed).begin_step(5)
+        Dropout(asked, 0.3, seed).begin_step(5, len(TOKENS))
         found.append(answer(asked))
 
     assert not torch.equal(*found)
@@ -50,7 +50,7 @@ def test_nothing_is_left_out_of_an_answer_nor_at_a_share_of_nothing() -> None:
     Dropout(answering, 0.3, seed=4)
     answering.train(False)
     without = network()
-    Dropout(without, 0.0, seed=4).begin_step(1)
+    Dropout(without, 0.0, seed=4).begin_step(1, len(TOKENS))
 
     assert torch.equal(answer(answering), plain)
     assert torch.equal(answer(without), plain)
@@ -59,13 +59,14 @@ def test_nothing_is_left_out_of_an_answer_nor_at_a_share_of_nothing() -> None:
 def test_what_a_block_adds_keeps_its_mean_and_loses_its_share() -> None:
     asked = network()
     seen: list[torch.Tensor] = []
-    Dropout(asked, 0.25, seed=4).begin_step(1)
+    dropout = Dropout(asked, 0.25, seed=4)
     asked.model.layers[0].mlp.register_forward_hook(lambda _, __, output: seen.append(output))
     asked.model.layers[0].mlp.down_proj.register_forward_hook(
         lambda _, __, output: torch.ones_like(output)
     )
     with torch.no_grad():
-        for _ in range(40):
+        for step in range(40):
+            dropout.begin_step(step, len(TOKENS))
             asked(TOKENS)
     drawn = torch.cat([output.flatten() for output in seen])
 
@@ -77,7 +78,7 @@ def test_what_a_block_adds_keeps_its_mean_and_loses_its_share() -> None:
 def test_a_channel_is_left_out_of_a_whole_sentence_and_each_sentence_loses_others() -> None:
     asked = network()
     seen: list[torch.Tensor] = []
-    Dropout(asked, 0.5, seed=4).begin_step(1)
+    Dropout(asked, 0.5, seed=4).begin_step(1, len(TOKENS))
     asked.model.layers[0].mlp.register_forward_hook(lambda _, __, output: seen.append(output))
     answer(asked)
     (left_out,) = (output == 0.0 for output in seen)
