@@ -10,7 +10,7 @@ from w2c_llm.train.corpus import Example
 from w2c_llm.train.mean import read_origins
 from w2c_llm.train.network import NetworkSize, make_network
 from w2c_llm.train.origin import Origin, read_origin
-from w2c_llm.train.plan import LAYERS, Shape
+from w2c_llm.train.plan import Shape
 from w2c_llm.train.tokenizer import train_tokenizer
 
 _TOKENIZER_EXAMPLES = 40_000
@@ -20,7 +20,7 @@ _WIDTH, _FEED_FORWARD, _VOCABULARY = 256, 768, 4096
 
 def final_layers(shape: Shape, origin: Origin) -> int:
     """Return how many layers a network has at the end of its run."""
-    return origin.size.layers if shape.begin_layers is None else shape.layers or LAYERS
+    return origin.size.layers if shape.begin_layers is None else shape.new_layers
 
 
 def new(corpus: Sequence[Example], shape: Shape, seed: int) -> Origin:
@@ -32,7 +32,7 @@ def new(corpus: Sequence[Example], shape: Shape, seed: int) -> Origin:
     width = shape.width or _WIDTH
     size = NetworkSize(
         width,
-        shape.begin_layers or shape.layers or LAYERS,
+        shape.begin_layers or shape.new_layers,
         width // 64,
         shape.feed_forward or _FEED_FORWARD,
     )

@@ -24,6 +24,11 @@ class Shape:
     begin_layers: int | None = None
     """Of a network that grows to `layers` on the way; None = all of them from the beginning"""
 
+    @property
+    def new_layers(self) -> int:
+        """Layers of a new network, at the end of its run."""
+        return self.layers or LAYERS
+
 
 @dataclass(frozen=True)
 class TrainingPlan:
@@ -92,7 +97,7 @@ class TrainingPlan:
         self._check_growth()
 
     def _check_growth(self) -> None:
-        begin, layers = self.shape.begin_layers, self.shape.layers or LAYERS
+        begin, layers = self.shape.begin_layers, self.shape.new_layers
         if begin is None:
             return
         if self.begin_with:

@@ -20,7 +20,7 @@ from w2c_llm.train.export import Card, export_gguf
 from w2c_llm.train.growth import deepened
 from w2c_llm.train.loop import Listeners, Progress, Recipe, Report, Trainer
 from w2c_llm.train.origin import Origin
-from w2c_llm.train.plan import LAYERS, TrainingPlan, TrainingResult
+from w2c_llm.train.plan import TrainingPlan, TrainingResult
 from w2c_llm.train.scoring import exact_matches, match_rates
 from w2c_llm.train.tokenizer import EncodedExample
 from w2c_llm.train.verification import verify_export
@@ -115,8 +115,9 @@ class Run:
             "--from": " ".join(digest(path) for path in plan.begin_with) or "nothing",
         }
         if plan.shape.begin_layers is not None:
-            layers = plan.shape.layers or LAYERS
-            identity["--begin-layers"] = f"{plan.shape.begin_layers}, growing to {layers}"
+            identity["--begin-layers"] = (
+                f"{plan.shape.begin_layers}, growing to {plan.shape.new_layers}"
+            )
         if plan.compiled:
             # Its sums are rounded otherwise: half a run of each would be neither.
             identity["--compile"] = "given"
