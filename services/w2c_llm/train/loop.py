@@ -205,11 +205,8 @@ class Trainer:
     def _compile(self, mixture: Mixture) -> None:
         """Take a step that changes nothing: the rate is not to rise while a compiler works."""
         examples = mixture.examples[: self.recipe.batch]
-        self._dropout.begin_step(0, len(examples))
         with compiling():
-            with self.device.autocast():
-                loss = self._weighted_loss(make_batch(examples, 0.0, self.device.torch_device))
-            torch.autograd.backward(loss)
+            self._find_gradients(make_batch(examples, 0.0, self.device.torch_device))
         self._optimizer.clear()
 
     def _batches(self, mixture: Mixture, until: float) -> Iterator[Batch]:
@@ -240,11 +237,7 @@ class Trainer:
     def _step(self, batch: Batch) -> float:
         """Take one step and return the loss."""
         rate = self.progress.rate(self.recipe)
-        self._dropout.begin_step(self.progress.step, len(batch.tokens))
-        with self.device.autocast():
-            loss = self._weighted_loss(batch)
-        self._optimizer.clear()
-        torch.autograd.backward(loss)
+        loss = self._find_gradients(batch)
         norm = torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
         if bool(torch.isfinite(norm)):
             self._optimizer.step(rate)
@@ -262,6 +255,15 @@ class Trainer:
                 f"no finite gradient in {self.progress.skipped} of {self.progress.step + 1} steps, "
                 f"at a learning rate of {rate:.1e}: resume with a lower --rate"
             )
+
+    def _find_gradients(self, batch: Batch) -> torch.Tensor:
+        """Put the gradients of a batch in place of those before, and return its loss."""
+        self._dropout.begin_step(self.progress.step, len(batch.tokens))
+        with self.device.autocast():
+            loss = self._weighted_loss(batch)
+        self._optimizer.clear()
+        torch.autograd.backward(loss)
+        return loss
 
     def _weighted_loss(self, batch: Batch) -> torch.Tensor:
         """Return the mean loss of the tokens that count.
