@@ -36,6 +36,8 @@ class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     second_look: bool = False
     """What a phrase lights is looked at again, from near, by the network of a file beside the
     weights: see `second_look`"""
+    outlines: bool = False
+    """Where a thing ends is drawn from near, by the network of another file: see `outline`"""
 
 
 def read_card(

@@ -14,7 +14,7 @@ from w2c_grounding.family import Family
 from w2c_grounding.guard import Guarded
 from w2c_grounding.known import KNOWN
 from w2c_grounding.model_config import ModelConfig
-from w2c_grounding.sizes import SIZE_WORDS, ComparesSizes
+from w2c_grounding.sizes import OTHERS, SIZE_WORDS, ComparesSizes
 from w2c_grounding.wording import check_template
 
 EMBEDDED = Path(__file__).parent / "embedded"
@@ -117,8 +117,15 @@ FAMILIES: dict[str, FamilyEntry] = {
 }
 
 
-def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
+def load(
+    config: ModelConfig, changed: Callable[[ModelCard], ModelCard] = lambda card: card
+) -> tuple[Family[Any], ModelCard]:
     """Load a model.
+
+    Args:
+        config: Which one, and how.
+        changed: Returns the card that counts instead of the checkpoint's own: a training asks a
+            model without what it adds.
 
     Returns:
         The model, guarded against lack of memory, and its card with the configuration's own
@@ -145,10 +152,12 @@ def load(config: ModelConfig) -> tuple[Family[Any], ModelCard]:
             f"--input-size {config.input_size}: family {config.family} has no size to choose; "
             "leave it out (what pointers are shown is bounded by --pointer.longest-side)"
         )
-    card = _card(config, entry, directory, name or source)
+    card = changed(_card(config, entry, directory, name or source))
     family = entry.load(config, source, card)
     if card.second_look and directory is not None:
         family = _looking_again(family, directory, config.device, card)
+    if card.outlines and directory is not None:
+        family = _drawing_outlines(family, directory, config.device, card)
     if card.compares_sizes:
         family, card = ComparesSizes(family, card.threshold, card.edge), _knowing_sizes(card)
     return Guarded(family, config.device), card
@@ -162,6 +171,18 @@ def _looking_again(
     from w2c_grounding.second_look.looks_again import LooksAgain
 
     return LooksAgain(family, weights.read(directory), device, card.edge)
+
+
+def _drawing_outlines(
+    family: Family[Any], directory: Path, device: str, card: ModelCard
+) -> Family[Any]:
+    """Return the family with its outlines. Raises ModelError."""
+    from w2c_grounding.outline import weights
+    from w2c_grounding.outline.draws_outlines import DrawsOutlines
+
+    # Things that are compared by size may be a little fainter than what is found.
+    least = OTHERS * card.threshold
+    return DrawsOutlines(family, weights.read(directory), least, device, card.edge)
 
 
 def _knowing_sizes(card: ModelCard) -> ModelCard:

@@ -8,9 +8,11 @@ from typing import Any, Literal
 import torch
 
 from w2c.clock import Clock
+from w2c_grounding.beside import carried
 from w2c_grounding.card import ModelCard, read_card
+from w2c_grounding.outline import weights as outline_weights
 from w2c_grounding.registry import check_directory
-from w2c_grounding.second_look.weights import carried
+from w2c_grounding.second_look import weights as second_look_weights
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.growth import resized, with_side, with_words
@@ -111,7 +113,8 @@ class Run:
             edge=EDGE,
             vocabulary=vocabulary,
             compares_sizes=True,
-            second_look=carried(task.begin_with, checkpoint),
+            second_look=carried(task.begin_with, checkpoint, second_look_weights.FILE),
+            outlines=carried(task.begin_with, checkpoint, outline_weights.FILE),
         )
         save(trainer.averaged(), processor, card, checkpoint)
         scores = measured(card, kept, checkpoint, seed=task.seed, threads=task.threads)

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from w2c.errors import ModelError
+from w2c_grounding.beside import carried
 from w2c_grounding.evidence import find, peak_point, regions_of
 from w2c_grounding.family import Evidence, Heatmap, RgbImage, ScoredBox
 from w2c_grounding.second_look import weights
@@ -287,8 +288,8 @@ def test_a_file_of_other_weights_is_refused(tmp_path: Path) -> None:
 
 
 def test_what_a_checkpoint_has_not_is_not_carried(tmp_path: Path) -> None:
-    assert not weights.carried(None, tmp_path / "new")
-    assert not weights.carried(tmp_path, tmp_path / "new")
+    assert not carried(None, tmp_path / "new", weights.FILE)
+    assert not carried(tmp_path, tmp_path / "new", weights.FILE)
     weights.write(SecondLookNetwork(WORDS), tmp_path)
-    assert weights.carried(tmp_path, tmp_path / "new")
+    assert carried(tmp_path, tmp_path / "new", weights.FILE)
     assert weights.read(tmp_path / "new").vocabulary == list(WORDS)

@@ -17,13 +17,14 @@ from w2c_grounding.registry import load
 from w2c_grounding.second_look import crops, weights
 from w2c_grounding.second_look.network import SecondLookNetwork
 from w2c_grounding.sizes import SIZE_WORDS
+from w2c_grounding.train.addition.run import Task, add
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.plan import Plan
 from w2c_grounding.train.second_look import batches
 from w2c_grounding.train.second_look.batches import SquareBatches
 from w2c_grounding.train.second_look.commands import train
 from w2c_grounding.train.second_look.loss import match_loss
-from w2c_grounding.train.second_look.run import Task, run
+from w2c_grounding.train.second_look.run import SecondLookAddition
 from w2c_grounding.train.second_look.squares import ELSEWHERE, SIDE, Squares, cut_out
 from w2c_grounding.train.second_look.trainer import SecondLookTrainer
 from w2c_grounding.train.vocabulary import vocabulary_of
@@ -145,7 +146,7 @@ def task(data: Path, tiny_checkpoint: Path, tmp_path_factory: pytest.TempPathFac
 
 @pytest.fixture(scope="module")
 def trained(task: Task) -> dict[str, float]:
-    scores = run(task, StepClock(), lambda _: None)
+    scores = add(SecondLookAddition, task, StepClock(), lambda _: None)
     assert scores is not None
     return scores
 
@@ -176,22 +177,25 @@ def test_an_interrupted_training_ends_with_the_same_weights(
 ) -> None:
     parted = replace(task, out=tmp_path)
     asked = iter([False, True])
-    assert run(parted, StepClock(), lambda _: None, lambda: next(asked)) is None
+    assert add(SecondLookAddition, parted, StepClock(), lambda _: None, lambda: next(asked)) is None
     assert not (tmp_path / "checkpoint").exists()
-    assert run(replace(parted, resume=True), StepClock(), lambda _: None) is not None
+    assert (
+        add(SecondLookAddition, replace(parted, resume=True), StepClock(), lambda _: None)
+        is not None
+    )
     straight, resumed = (
         weights.read(one / "checkpoint").state_dict() for one in (task.out, tmp_path)
     )
     assert all(torch.equal(straight[name], resumed[name]) for name in straight)
     with pytest.raises(ConfigError, match="seed was 0, now 4"):
-        run(replace(parted, resume=True, seed=4), StepClock(), lambda _: None)
+        add(SecondLookAddition, replace(parted, resume=True, seed=4), StepClock(), lambda _: None)
 
 
 def test_a_second_look_that_is_there_is_gone_on_from(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
     further = replace(task, checkpoint=task.out / "checkpoint", out=tmp_path, steps=1, name="more")
-    assert run(further, StepClock(), lambda _: None) is not None
+    assert add(SecondLookAddition, further, StepClock(), lambda _: None) is not None
     before, after = (
         weights.read(one / "checkpoint").state_dict()["summary.weight"]
         for one in (task.out, tmp_path)
@@ -204,7 +208,7 @@ def test_gradients_that_are_no_numbers_end_a_training_with_advice(
     task: Task, tmp_path: Path
 ) -> None:
     with pytest.raises(ModelError, match="lower --rate"):
-        run(replace(task, out=tmp_path, rate=1e30), StepClock(), lambda _: None)
+        add(SecondLookAddition, replace(task, out=tmp_path, rate=1e30), StepClock(), lambda _: None)
     assert not (tmp_path / "checkpoint").exists()
 
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import torch
-from torch.nn import functional
 
 from w2c_grounding.second_look import crops
 from w2c_grounding.second_look.network import SecondLookNetwork, said
 from w2c_grounding.sizes import SIZE_WORDS
 from w2c_grounding.train.asker import Asker, Question
-from w2c_grounding.train.second_look import squares as cut
+from w2c_grounding.train.near_views import cut_otherwise, lit_otherwise
+from w2c_grounding.train.second_look import squares as stored
 from w2c_grounding.train.second_look.kinds import Kinds
 from w2c_grounding.train.second_look.squares import Squares
 
@@ -30,7 +30,7 @@ PRESENT, ABSENT = 8, 4
 DRAWN = 3
 """Times as many are drawn once for each picture; a step takes some of them: drawing takes longer
 than learning"""
-_NOMINAL = (1.0 + crops.MARGIN) / (1.0 + cut.MARGIN)
+_NOMINAL = (1.0 + crops.MARGIN) / (1.0 + stored.MARGIN)
 """Side of what is cut at run time, over that of what was cut out here"""
 SCALES = (0.8, 1.2)
 """Of the side that is cut, from one square to the other"""
@@ -151,18 +151,5 @@ def _sample(questions: Sequence[Question], count: int, rng: np.random.Generator)
 
 def _seen_otherwise(squares: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
     """Return squares as at run time, each cut, turned over and lit a little differently."""
-    count = len(squares)
-
-    def drawn(low: float, high: float, *shape: int) -> torch.Tensor:
-        return low + (high - low) * torch.rand(count, *shape, generator=generator)
-
-    scales = _NOMINAL * drawn(*SCALES, 1) * drawn(0.93, 1.07, 2)
-    windows = torch.zeros(count, 2, 3)
-    windows[:, 0, 0] = scales[:, 0] * torch.where(drawn(0.0, 1.0) < 0.5, -1.0, 1.0)
-    windows[:, 1, 1] = scales[:, 1]
-    windows[:, :, 2] = drawn(-SHIFT, SHIFT, 2)
-    grid = functional.affine_grid(windows, [count, 3, crops.SIDE, crops.SIDE], align_corners=False)
-    cut = functional.grid_sample(squares, grid, align_corners=False, padding_mode="border")
-    lit = cut * drawn(0.7, 1.35, 1, 1, 1) * drawn(0.93, 1.07, 3, 1, 1) + drawn(-0.06, 0.06, 1, 1, 1)
-    noise = torch.randn(lit.shape, generator=generator) * drawn(0.0, 0.03, 1, 1, 1)
-    return (lit + noise).clamp(0.0, 1.0)
+    cut = cut_otherwise(squares, crops.SIDE, _NOMINAL, SCALES, SHIFT, generator)
+    return lit_otherwise(cut, generator)
