@@ -1,7 +1,7 @@
 """Wraps a family: what was found ends where it ends in the picture."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Generic
 
 import numpy as np
@@ -13,23 +13,12 @@ from w2c_grounding.family import ContextT, Evidence, Family, Heatmap, RgbImage
 from w2c_grounding.outline.network import OutlineNetwork
 from w2c_grounding.outline.redraw import redrawn
 from w2c_grounding.outline.window import fits, layers, window_around
-from w2c_grounding.second_look.crops import brought_to_width
+from w2c_grounding.seen_near import SeenNear, seen_near
 
 MOST = 8
 """Outlines of a phrase, the surest first"""
 ROUNDS = 2
 """A thing of which less than half was lit goes on beyond its first square"""
-
-
-@dataclass(frozen=True)
-class SeenNear(Generic[ContextT]):
-    """What the family keeps of a picture, and the picture."""
-
-    context: ContextT
-    image: RgbImage
-    """Brought to the width of the training"""
-    scale: float
-    """Its pixels over those of the picture"""
 
 
 class DrawsOutlines(Generic[ContextT]):
@@ -63,8 +52,7 @@ class DrawsOutlines(Generic[ContextT]):
 
     def prepare(self, image: RgbImage) -> SeenNear[ContextT]:
         """Return what is kept of a picture."""
-        small, scale = brought_to_width(image)
-        return SeenNear(self.family.prepare(image), small, scale)
+        return seen_near(self.family, image)
 
     def query(self, context: SeenNear[ContextT], phrases: Sequence[str]) -> list[Evidence]:
         """Return the evidence for each phrase."""
@@ -85,10 +73,8 @@ class DrawsOutlines(Generic[ContextT]):
         """
         regions = regions_to_draw(heatmap, self._least, self._edge)
         for _ in range(ROUNDS):
-            regions = [one for one in regions if fits(one, heatmap.shape[1])]
-            if not regions:
-                break
-            heatmap, regions = self._drawn(heatmap, regions, image, scale)
+            if regions:
+                heatmap, regions = self._drawn(heatmap, regions, image, scale)
         return heatmap
 
     def _drawn(
@@ -105,7 +91,9 @@ class DrawsOutlines(Generic[ContextT]):
         logits = self._logits(squares)
         drawn, found = redrawn(heatmap, regions, windows, logits, self._edge)
         return drawn, [
-            one for one, window in zip(found, windows, strict=True) if window.is_reached(one)
+            one
+            for one, window in zip(found, windows, strict=True)
+            if window.is_reached(one) and fits(one, heatmap.shape[1])
         ]
 
     @torch.inference_mode()

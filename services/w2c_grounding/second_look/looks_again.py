@@ -1,7 +1,7 @@
 """Wraps a family: each region that a phrase lights is looked at again, from near."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Generic
 
 import numpy as np
@@ -11,24 +11,14 @@ import torch
 from w2c_grounding.evidence import REGION_FRACTION, Region
 from w2c_grounding.family import ContextT, Evidence, Family, RgbImage
 from w2c_grounding.pretrained import Remembered
-from w2c_grounding.second_look.crops import brought_to_width, square_around
+from w2c_grounding.second_look.crops import square_around
 from w2c_grounding.second_look.network import SecondLookNetwork, said
 from w2c_grounding.second_look.regions import worth_a_look
 from w2c_grounding.second_look.weighing import weighed
+from w2c_grounding.seen_near import SeenNear, seen_near
 
 _AT_ONCE = 256
 """Squares, to bound memory: a phrase has a few, a request up to 200 phrases"""
-
-
-@dataclass(frozen=True)
-class SeenTwice(Generic[ContextT]):
-    """What both looks need of a picture."""
-
-    context: ContextT
-    image: RgbImage
-    """Brought to the width of the training"""
-    scale: float
-    """Its pixels over those of the picture"""
 
 
 class LooksAgain(Generic[ContextT]):
@@ -52,12 +42,11 @@ class LooksAgain(Generic[ContextT]):
         self._edge = edge
         self._meanings = Remembered[torch.Tensor]()
 
-    def prepare(self, image: RgbImage) -> SeenTwice[ContextT]:
+    def prepare(self, image: RgbImage) -> SeenNear[ContextT]:
         """Return what is kept of a picture."""
-        small, scale = brought_to_width(image)
-        return SeenTwice(self.family.prepare(image), small, scale)
+        return seen_near(self.family, image)
 
-    def query(self, context: SeenTwice[ContextT], phrases: Sequence[str]) -> list[Evidence]:
+    def query(self, context: SeenNear[ContextT], phrases: Sequence[str]) -> list[Evidence]:
         """Return the evidence for each phrase."""
         found = self.family.query(context.context, phrases)
         regions = [
@@ -83,7 +72,7 @@ class LooksAgain(Generic[ContextT]):
     @torch.inference_mode()
     def _logits(
         self,
-        context: SeenTwice[ContextT],
+        context: SeenNear[ContextT],
         phrases: Sequence[str],
         regions: Sequence[Sequence[Region]],
     ) -> npt.NDArray[np.float32]:

@@ -17,7 +17,10 @@ from w2c_grounding.outline.draws_outlines import DrawsOutlines
 from w2c_grounding.outline.network import LAYERS, SIDE, OutlineNetwork
 from w2c_grounding.outline.redraw import redrawn
 from w2c_grounding.outline.window import LARGEST, Window, fits, layers, window_around
-from w2c_grounding.second_look.crops import GREY, brought_to_width
+from w2c_grounding.second_look.crops import brought_to_width
+from w2c_grounding.second_look.looks_again import LooksAgain
+from w2c_grounding.second_look.network import SecondLookNetwork
+from w2c_grounding.seen_near import SeenNear, seen_near
 
 EDGE = 0.3
 HEIGHT, WIDTH = 216, 384
@@ -177,9 +180,10 @@ def test_picture_heat_and_region_lie_on_each_other(left: int, top: int, scale: f
     around = Region(box[0], box[1], box[0] + mask.shape[1], box[1] + mask.shape[0], 0.5, mask)
     square = layers(picture(thing), hot, around, window_around(around, scale))
     assert square.shape == (SIDE, SIDE, LAYERS)
-    red, lit, marked = (np.argwhere(square[..., n] > 115) for n in (0, 3, 4))
-    beyond = (square[..., :3] == GREY).all(axis=2)
-    red = red[~beyond[tuple(red.T)]]
+    lit, marked = (np.argwhere(square[..., n] > 115) for n in (3, 4))
+    # Beyond the picture all is grey, and mixed with black at its border.
+    colours = square[..., :3].astype(int)
+    red = np.argwhere(colours[..., 0] - colours[..., 2] > 105)
     assert np.allclose(red.mean(axis=0), lit.mean(axis=0), atol=1.5)
     assert np.array_equal(lit, marked)
     assert int(square[..., 3].max()) == 255
@@ -244,3 +248,26 @@ def test_a_picture_is_brought_to_the_width_of_the_training() -> None:
     small, scale = brought_to_width(picture())
     assert seen.image.shape == small.shape
     assert seen.scale == scale
+
+
+def test_a_picture_that_is_looked_at_twice_from_near_is_scaled_once() -> None:
+    seen = LooksAgain(Lights(heat()), SecondLookNetwork(["bar"])).prepare(picture())
+    twice = seen_near(Prepared(seen), picture())
+    assert twice.context is seen
+    assert twice.image is seen.image
+    assert twice.scale == seen.scale
+
+
+class Prepared:
+    """A family that keeps what it was given."""
+
+    def __init__(self, context: SeenNear[None]) -> None:
+        self._context = context
+
+    def prepare(self, image: RgbImage) -> SeenNear[None]:
+        """Return it."""
+        return self._context
+
+    def query(self, context: SeenNear[None], phrases: Sequence[str]) -> list[Evidence]:
+        """Return nothing hot."""
+        return [Evidence(heat()) for _ in phrases]

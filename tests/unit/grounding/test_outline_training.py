@@ -1,6 +1,7 @@
 """Outlines are learned from what a family lights, and from where those things end."""
 
 import json
+import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,16 +10,21 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from msgspec import structs
 
 from fakes.rendered import COLOURS, write_pictures
 from w2c.clock import StepClock
 from w2c.errors import ConfigError, ModelError
-from w2c_grounding.card import ModelCard, read_card
+from w2c_grounding.card import ModelCard, read_card, write_card
+from w2c_grounding.clipseg import ClipSeg
 from w2c_grounding.family import Evidence, RgbImage
+from w2c_grounding.guard import Guarded
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.outline import weights
+from w2c_grounding.outline.draws_outlines import DrawsOutlines
 from w2c_grounding.outline.network import LAYERS, SIDE, OutlineNetwork
 from w2c_grounding.registry import load
+from w2c_grounding.sizes import ComparesSizes
 from w2c_grounding.train.addition.run import Task, add
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.outline import run, trainer
@@ -168,6 +174,8 @@ def trained(task: Task) -> dict[str, float]:
 def test_a_training_adds_outlines_to_a_checkpoint(task: Task, trained: dict[str, float]) -> None:
     family, card = load(ModelConfig(model=str(task.out / "checkpoint"), threads=1))
     assert card.outlines
+    assert isinstance(family, Guarded)
+    assert isinstance(family.family, DrawsOutlines)
     assert card.threshold == read_card(task.checkpoint, "").threshold
     assert json.loads((task.out / "scores.json").read_text()) == trained
     assert trained["steps"] == 3
@@ -175,6 +183,21 @@ def test_a_training_adds_outlines_to_a_checkpoint(task: Task, trained: dict[str,
     assert 0.0 <= trained["overlap.outlines"] <= 1.0
     image = np.zeros((90, 160, 3), dtype=np.uint8)
     assert len(family.query(family.prepare(image), ["square", "the red disc"])) == 2
+
+
+def test_a_checkpoint_is_asked_without_outlines_and_sizes(
+    task: Task, trained: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run, "load", load)
+    shutil.copytree(task.out / "checkpoint", tmp_path, dirs_exist_ok=True)
+    write_card(structs.replace(read_card(tmp_path, ""), compares_sizes=True), tmp_path)
+    whole, _ = load(ModelConfig(model=str(tmp_path), threads=1))
+    asked = run.without_outlines(tmp_path, 1)
+    assert isinstance(whole, Guarded)
+    assert isinstance(asked, Guarded)
+    assert isinstance(whole.family, ComparesSizes)
+    assert isinstance(whole.family.family, DrawsOutlines)
+    assert isinstance(asked.family, ClipSeg)
 
 
 def test_a_checkpoint_whose_outlines_are_missing_is_refused(

@@ -224,6 +224,8 @@ def test_a_push_by_a_call_moves_the_robot_from_its_tick_on() -> None:
         force = np.array([2000.0, 0.0, 0.0])
         assert judge.call(topics.PUSH, PushRequest(force=force, tick=5)).message.tick == 5
         states = answer(controller, 12, lambda state: state.command)
+        # Of the last answer: then time stands still.
+        wait_until(lambda: node.simulator.tick == states[-1].tick + 1)
         with pytest.raises(RefusedError, match="tick 3 on is too late"):
             judge.call(topics.PUSH, PushRequest(force=force, tick=3))
         with pytest.raises(RefusedError, match="'operator' may not push"):

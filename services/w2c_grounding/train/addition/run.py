@@ -4,7 +4,7 @@ import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import torch
 from msgspec import structs
@@ -13,10 +13,11 @@ from w2c.clock import Clock
 from w2c.errors import W2CError
 from w2c_grounding.card import ModelCard, read_card
 from w2c_grounding.registry import check_directory
+from w2c_grounding.train.addition.trainer import AdditionTrainer
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.measure import apart, write_scores
 from w2c_grounding.train.pictures import digest
-from w2c_grounding.train.plan import Plan, Progress, has_bf16
+from w2c_grounding.train.plan import Plan, has_bf16
 from w2c_grounding.train.trainer import read_state, save_state
 
 Report = Callable[[str], None]
@@ -57,31 +58,11 @@ class Material:
     report: Report
 
 
-class Trainer(Protocol):
-    """A training loop that can be continued."""
-
-    @property
-    def progress(self) -> Progress:
-        """Return how far it is."""
-
-    def run(self, save: Callable[[], None], report: Report, stopped: Callable[[], bool]) -> bool:
-        """Train; return whether the plan is done."""
-
-    def state(self) -> dict[str, Any]:
-        """Return what a continuation needs."""
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Continue from a saved state. Raises ConfigError where it does not fit."""
-
-    def look_at_clock(self) -> float:
-        """Return the seconds that were spent."""
-
-
 class Addition(Protocol):
     """What is added."""
 
     @property
-    def trainer(self) -> Trainer:
+    def trainer(self) -> AdditionTrainer:
         """Return what trains it."""
 
     def finish(self, checkpoint: Path) -> dict[str, float]:
@@ -106,18 +87,18 @@ def add(
     torch.manual_seed(task.seed)
     files = truth_files(task.data)
     material = _material(task, files, clock, started_ns, report)
+    addition = prepare(material)
+    trainer = addition.trainer
+    state = task.out / "state.pt"
+    identity = {
+        "data": digest(files),
+        "seed": str(task.seed),
+        "checkpoint": str(task.checkpoint.resolve()),
+    }
+    if task.resume:
+        trainer.restore(read_state(state, identity))
     try:
         task.out.mkdir(parents=True, exist_ok=True)
-        addition = prepare(material)
-        trainer = addition.trainer
-        state = task.out / "state.pt"
-        identity = {
-            "data": digest(files),
-            "seed": str(task.seed),
-            "checkpoint": str(task.checkpoint.resolve()),
-        }
-        if task.resume:
-            trainer.restore(read_state(state, identity))
         done = trainer.run(
             lambda: save_state({**trainer.state(), "identity": identity}, state), report, stopped
         )

@@ -16,8 +16,8 @@ class OutlineConfig(AdditionConfig, frozen=True, kw_only=True, forbid_unknown_fi
     Asks --checkpoint about up to 4,000 of the pictures, and learns where the things end that it
     lights there. Writes OUT/checkpoint (that of --checkpoint with outlines), OUT/scores.json (how
     well boxes fit, on pictures that were not trained on) and, every five minutes, OUT/state.pt for
-    --resume. What 4,000 pictures light takes 1.6 GB of memory. Ctrl-C or SIGTERM ends a training
-    at its next step.
+    --resume. What 4,000 pictures light takes 1.7 GB of memory, and twice that for a moment. Ctrl-C
+    or SIGTERM ends a training at its next step.
     """
 
 

@@ -33,7 +33,7 @@ class OutlineAddition:
         self._material = material
         task, card = material.task, material.card
         self._least = OTHERS * card.threshold
-        self._family = _without_outlines(task.checkpoint, task.threads)
+        self._family = without_outlines(task.checkpoint, task.threads)
         some = material.used[:: -(-len(material.used) // MOST_PICTURES)]
         material.report(f"asking the checkpoint about {len(some)} pictures")
         squares = collect(self._family, some, self._least, card.edge, task.seed, material.report)
@@ -65,7 +65,7 @@ class OutlineAddition:
         return {**scores, "squares": float(self._count)}
 
 
-def _without_outlines(checkpoint: Path, threads: int) -> Family[Any]:
+def without_outlines(checkpoint: Path, threads: int) -> Family[Any]:
     """Return a checkpoint as it lights what is found, and large and small alike."""
 
     def plain(card: ModelCard) -> ModelCard:

@@ -1,17 +1,13 @@
 """The training loop of the second look."""
 
-from collections.abc import Sequence
-from typing import Any
-
 import torch
 from torch import nn
 from torch.nn import functional
 
 from w2c.clock import Clock
-from w2c.errors import ConfigError
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork
-from w2c_grounding.train.loop import TrainingLoop
-from w2c_grounding.train.plan import Plan, learning_rate
+from w2c_grounding.train.addition.trainer import AdditionTrainer
+from w2c_grounding.train.plan import Plan
 from w2c_grounding.train.second_look.batches import SquareBatches
 from w2c_grounding.train.second_look.loss import match_loss
 from w2c_grounding.train.second_look.squares import Cut, Squares
@@ -52,7 +48,7 @@ def _labels(cut: Cut) -> tuple[str, str, str]:
     return cut.item.kind, cut.item.colour, cut.item.material
 
 
-class SecondLookTrainer(TrainingLoop):
+class SecondLookTrainer(AdditionTrainer):
     """Network, optimiser and clock of one training."""
 
     def __init__(
@@ -64,19 +60,14 @@ class SecondLookTrainer(TrainingLoop):
         started_ns: int,
     ) -> None:
         """`started_ns` is when the command began."""
-        super().__init__(plan, clock, started_ns)
+        plain = Plain(squares.cuts)
+        super().__init__({"network": network, "plain": plain}, plan, clock, started_ns)
         self.network = network.train().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
         self._batches = SquareBatches(squares, network, plan.seed)
-        self._plain = Plain(squares.cuts)
-        self._weights = [*network.parameters(), *self._plain.parameters()]
-        self._optimizer = torch.optim.AdamW(self._weights, weight_decay=plan.weight_decay)
+        self._plain = plain
 
-    def step(self) -> float:
-        """Take one step; returns the loss.
-
-        Raises:
-            ModelError: gradients are not finite.
-        """
+    def loss(self) -> torch.Tensor:
+        """Return the loss of the next step."""
         batch = self._batches.make(self.progress.steps)
         with torch.autocast("cpu", torch.bfloat16, enabled=self._plan.bf16):
             seen = self.network.see(batch.squares.contiguous(memory_format=torch.channels_last))
@@ -84,41 +75,5 @@ class SecondLookTrainer(TrainingLoop):
         meant = self.network.read(*self.network.tokens(batch.phrases))
         square, phrase = batch.pairs.T
         logits = self.network.match(seen[square], meant[phrase])
-        loss = match_loss(logits, batch.fits, phrase, len(batch.phrases))
-        loss = loss + PLAIN * self._plain.loss(seen, torch.from_numpy(batch.numbers))
-        rate = learning_rate(self._plan, self.progress)
-        for group in self._optimizer.param_groups:
-            group["lr"] = rate
-        self._optimizer.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
-        if not bool(torch.isfinite(torch.nn.utils.get_total_norm(_gradients(self._weights)))):
-            # None is let pass: the norms' running means have seen what led to it.
-            self.skip(rate, most=0)
-        self._optimizer.step()
-        self.progress.steps += 1
-        return float(loss.detach())
-
-    def state(self) -> dict[str, Any]:
-        """Return what a continuation needs."""
-        return {
-            "network": self.network.state_dict(),
-            "plain": self._plain.state_dict(),
-            "optimizer": self._optimizer.state_dict(),
-            "progress": vars(self.progress).copy(),
-        }
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Continue from a saved state. Raises ConfigError where it does not fit."""
-        try:
-            self.network.load_state_dict(state["network"])
-            self._plain.load_state_dict(state["plain"])
-            self._optimizer.load_state_dict(state["optimizer"])
-            self.go_on_from(state["progress"])
-        except (KeyError, RuntimeError, ValueError, TypeError) as error:
-            raise ConfigError(
-                f"the checkpoint is of other pictures: {error}; train without --resume"
-            ) from error
-
-
-def _gradients(weights: Sequence[torch.Tensor]) -> list[torch.Tensor]:
-    return [weight.grad for weight in weights if weight.grad is not None]
+        matched = match_loss(logits, batch.fits, phrase, len(batch.phrases))
+        return matched + PLAIN * self._plain.loss(seen, torch.from_numpy(batch.numbers))
