@@ -57,7 +57,7 @@ def train(arguments: list[str] | None = None) -> int:
     config = parse(TrainConfig, argv, program=PROGRAM)
     with needs_extra("train"):
         from w2c.clock import RealClock
-        from w2c_grounding.train.interruption import interruptible
+        from w2c_grounding.train.interruption import continuation, interruptible
         from w2c_grounding.train.run import Run, Task
     task = Task(
         data=Path(config.data),
@@ -79,7 +79,7 @@ def train(arguments: list[str] | None = None) -> int:
     except W2CError as error:
         return fail(error, PROGRAM)
     if scores is None:
-        print(f"stopped; go on with: {PROGRAM} --data {config.data} --out {config.out} --resume")
+        print(continuation(PROGRAM, argv))
         return STOPPED
     print(msgspec.json.format(msgspec.json.encode(scores), indent=1).decode())
     return 0

@@ -1,7 +1,8 @@
 """Ctrl-C and SIGTERM end a training at its next step, so that nothing is lost."""
 
+import shlex
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
@@ -29,3 +30,9 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def continuation(program: str, arguments: Sequence[str]) -> str:
+    """Return what to tell who ended a training: the command, and what makes it go on."""
+    given = [one for one in arguments if one != "--resume"]
+    return f"stopped; go on with: {program} {shlex.join([*given, '--resume'])}"

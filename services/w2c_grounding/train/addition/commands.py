@@ -63,7 +63,7 @@ def run_command(
     with needs_extra("train"):
         from w2c.clock import RealClock
         from w2c_grounding.train.addition.run import Task, add
-        from w2c_grounding.train.interruption import interruptible
+        from w2c_grounding.train.interruption import continuation, interruptible
 
         prepare = addition()
     task = Task(
@@ -84,10 +84,7 @@ def run_command(
     except W2CError as error:
         return fail(error, program)
     if scores is None:
-        print(
-            f"stopped; go on with: {program} --data {config.data} --out {config.out} "
-            f"--checkpoint {config.checkpoint} --resume"
-        )
+        print(continuation(program, argv))
         return STOPPED
     print(msgspec.json.format(msgspec.json.encode(scores), indent=1).decode())
     return 0

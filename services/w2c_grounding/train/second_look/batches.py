@@ -74,25 +74,13 @@ class SquareBatches:
         numbers = [n for picture in pictures for n in self._squares.of_picture[picture]]
         place = {number: n for n, number in enumerate(numbers)}
         phrases: list[str] = []
-        pairs: list[tuple[int, int]] = []
-        fits: list[bool] = []
+        answers: list[list[tuple[int, bool]]] = []
         for picture, kind in pictures.items():
             mine = self._squares.of_picture[picture]
             foreign = [number for number in numbers if number not in mine]
             for question in self._questions(picture, kind, rng):
-                here = self._here(mine, question)
-                meant = [
-                    one.item
-                    for number, right in here
-                    if right and (one := self._squares.cuts[number]).item is not None
-                ]
-                for number, right in (
-                    *here,
-                    *self._kinds.elsewhere(question.phrase, meant, foreign),
-                ):
-                    pairs.append((place[number], len(phrases)))
-                    fits.append(right)
                 phrases.append(question.phrase)
+                answers.append(self._answers(question, mine, foreign))
         chosen = np.array(numbers)
         generator = torch.Generator().manual_seed(int(rng.integers(2**31)))
         pixels = torch.from_numpy(self._squares.pixels[chosen]).permute(0, 3, 1, 2)
@@ -100,8 +88,12 @@ class SquareBatches:
             squares=_seen_otherwise(pixels.float() / 255.0, generator),
             numbers=chosen,
             phrases=phrases,
-            pairs=torch.tensor(pairs),
-            fits=torch.tensor(fits, dtype=torch.float32),
+            pairs=torch.tensor(
+                [(place[number], n) for n, given in enumerate(answers) for number, _ in given]
+            ),
+            fits=torch.tensor(
+                [right for given in answers for _, right in given], dtype=torch.float32
+            ),
         )
 
     def _questions(self, picture: int, kind: str, rng: np.random.Generator) -> list[Question]:
@@ -111,6 +103,15 @@ class SquareBatches:
             telling = self._kinds.questions(self._squares.truths[picture], kind, TELLING, rng)
             asked += [one for one in telling if self._is_known(one.phrase)]
         return asked
+
+    def _answers(
+        self, question: Question, mine: range, foreign: Sequence[int]
+    ) -> list[tuple[int, bool]]:
+        """Return which squares of a step a question of one picture means."""
+        here = self._here(mine, question)
+        cuts = [self._squares.cuts[number] for number, right in here if right]
+        meant = [cut.item for cut in cuts if cut.item is not None]
+        return [*here, *self._kinds.elsewhere(question.phrase, meant, foreign)]
 
     def _here(self, mine: range, question: Question) -> list[tuple[int, bool]]:
         """Return which squares of its own picture a question means."""
