@@ -33,6 +33,8 @@ class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """Words of the training phrases that named something; None = not known"""
     compares_sizes: bool = False
     """Large and small are told by comparing what the rest of a phrase fits: see `sizes`"""
+    names_of_size: tuple[str, ...] = ()
+    """Names of things with a word of size in them, as `small shovel`: there it compares nothing"""
     second_look: bool = False
     """What a phrase lights is looked at again, from near, by the network of a file beside the
     weights: see `second_look`"""

@@ -159,7 +159,8 @@ def load(
     if card.outlines and directory is not None:
         family = _drawing_outlines(family, directory, config.device, card)
     if card.compares_sizes:
-        family, card = ComparesSizes(family, card.threshold, card.edge), _knowing_sizes(card)
+        family = ComparesSizes(family, card.threshold, card.edge, card.names_of_size)
+        card = _knowing_sizes(card)
     return Guarded(family, config.device), card
 
 

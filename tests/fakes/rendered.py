@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 COLOURS = {"red": (220, 30, 30), "green": (30, 200, 40), "blue": (30, 60, 220)}
-SHAPES = {"square": ("square", "box"), "disc": ("disc", "ball")}
+SHAPES = {"square": ("square", "box"), "disc": ("disc", "ball", "big button")}
 
 
 def write_pictures(directory: Path, count: int, *, first: int = 0) -> list[Path]:

@@ -22,7 +22,7 @@ from w2c_grounding.train.pictures import Pictures, digest, open_pictures
 from w2c_grounding.train.plan import Plan, has_bf16
 from w2c_grounding.train.start import start_tower
 from w2c_grounding.train.trainer import Trainer, read_state, save_state
-from w2c_grounding.train.vocabulary import tokenizer_words, vocabulary_of
+from w2c_grounding.train.vocabulary import names_of_size, tokenizer_words, vocabulary_of
 from w2c_grounding.train.watch import watch
 
 EDGE = 0.3
@@ -77,11 +77,11 @@ class Run:
         torch.manual_seed(task.seed)
         files = truth_files(task.data)
         kept, used = apart(files)
-        model, processor, size, vocabulary = self._begin_with()
+        model, processor, size, before = self._begin_with()
         self._report(f"{len(used)} pictures to train on, {len(kept)} kept back; reading them")
         pictures = open_pictures(used, size.image, task.out / "pictures", task.threads)
         watched = open_pictures(kept, size.image, task.out / "pictures" / "kept", task.threads)
-        vocabulary = sorted({*vocabulary, *vocabulary_of(pictures.truths)})
+        vocabulary = sorted({*(before.vocabulary or ()), *vocabulary_of(pictures.truths)})
         spoken = tokenizer_words(vocabulary)
         if model is None:
             processor = new_processor(size, spoken)
@@ -113,6 +113,7 @@ class Run:
             edge=EDGE,
             vocabulary=vocabulary,
             compares_sizes=True,
+            names_of_size=tuple(sorted({*before.names_of_size, *names_of_size(pictures.truths)})),
             second_look=carried(task.begin_with, checkpoint, second_look_weights.FILE),
             outlines=carried(task.begin_with, checkpoint, outline_weights.FILE),
         )
@@ -126,16 +127,17 @@ class Run:
         write_scores(scores, task.out)
         return scores
 
-    def _begin_with(self) -> tuple[Any, Any, Size, list[str]]:
-        """Return model, processor, size and words of --from; no model without it."""
+    def _begin_with(self) -> tuple[Any, Any, Size, ModelCard]:
+        """Return model, processor, size and card of --from; without it no model."""
         source = self._task.begin_with
         if source is None:
             size = self._task.size
-            return None, None, resized(size, self._task.side or size.image), []
+            size = resized(size, self._task.side or size.image)
+            return None, None, size, ModelCard(name=self._task.name)
         card = read_card(check_directory(source), source.name)
         model, processor, size = read(source)
         model, processor, size = with_side(model, processor, size, self._task.side or size.image)
-        return model, processor, size, list(card.vocabulary or [])
+        return model, processor, size, card
 
     def _plan(self) -> Plan:
         task = self._task

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
+from w2c_grounding.sizes import has_size
 from w2c_grounding.train.asker import FOREIGN, FRAMES
 from w2c_grounding.train.data import PictureTruth
 from w2c_grounding.train.phrases import COLOUR_WORDS, NOUNS_OF_ANYTHING
@@ -20,6 +21,12 @@ def vocabulary_of(truths: Iterable[PictureTruth]) -> list[str]:
     foreign = {word for noun in FOREIGN for word in words(noun)}
     said = {word for text in uses for word in words(text)} - foreign
     return sorted(named.union(said, NOUNS_OF_ANYTHING)) if named else []
+
+
+def names_of_size(truths: Iterable[PictureTruth]) -> set[str]:
+    """Return the names of things of pictures that have a word of size in them."""
+    names = {name for truth in truths for item in truth.objects for name in item.names}
+    return {name for name in names if has_size(name)}
 
 
 def tokenizer_words(vocabulary: Sequence[str]) -> list[str]:

@@ -4,7 +4,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from w2c.messages import GroundingReply, GroundingRequest
 from w2c_grounding.answer import Grounder
@@ -50,6 +52,18 @@ def test_it_knows_which_words_it_never_saw(grounder: Grounder) -> None:
     first, second = ask(grounder, PICTURES[0]["file"], "the elephant", "the red book").evidence
     assert first.unknown_words == ["elephant"]
     assert second.unknown_words == []
+
+
+def test_a_name_with_a_word_of_size_is_a_name() -> None:
+    family, _ = load(ModelConfig(threads=1))
+    plain, _ = load(ModelConfig(threads=1), lambda card: replace(card, compares_sizes=False))
+    image = np.zeros((90, 160, 3), np.uint8)
+    (named,), (asked,) = (
+        one.query(one.prepare(image), ["small shovel"]) for one in (family, plain)
+    )
+    assert np.array_equal(named.heatmap, asked.heatmap)
+    (other,) = plain.query(plain.prepare(image), ["shovel"])
+    assert not np.array_equal(named.heatmap, other.heatmap)
 
 
 def test_it_is_small_has_a_card_and_no_training_state() -> None:

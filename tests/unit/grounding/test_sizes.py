@@ -55,6 +55,21 @@ def test_what_is_asked_for_instead_says_no_size(words: list[str]) -> None:
         assert sized.rest.split() == [word for word in words if word not in SIZE_WORDS]
 
 
+@pytest.mark.parametrize(
+    ("phrase", "sized"),
+    [
+        pytest.param("small shovel", None, id="the name alone"),
+        pytest.param("the wooden small shovel", None, id="of something"),
+        pytest.param("small small shovel", Sized("small shovel", False), id="a size before it"),
+        pytest.param("big small shovel", Sized("small shovel", True), id="another one"),
+        pytest.param("small wooden shovel", Sized("wooden shovel", False), id="not the name"),
+        pytest.param("small mug", Sized("mug", False), id="another thing"),
+    ],
+)
+def test_a_word_of_size_in_a_name_is_none(phrase: str, sized: Sized | None) -> None:
+    assert split(phrase, ["small shovel"]) == sized
+
+
 def test_no_word_is_large_and_small() -> None:
     assert not SMALL & LARGE
 
@@ -97,11 +112,11 @@ def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
     [
         pytest.param((SMALLER,), id="one thing"),
         pytest.param((), id="nothing"),
-        pytest.param(((10, 100, 40, 0.9), (100, 100, 41, 0.9)), id="two alike"),
+        pytest.param(((2, 100, 99, 0.9), (101, 100, 99, 0.9)), id="two alike"),
         pytest.param((LARGER, (10, 10, 20, 0.3)), id="the other far below the threshold"),
         pytest.param(((10, 10, 40, 0.4), (100, 100, 60, 0.4)), id="none that fits"),
         pytest.param(((10, 10, 40, 0.9), (100, 100, 4, 0.9)), id="a stain"),
-        pytest.param(((10, 10, 90, 0.9), (120, 120, 20, 0.9)), id="a piece"),
+        pytest.param(((10, 10, 90, 0.9), (120, 120, 12, 0.9)), id="a piece"),
     ],
 )
 def test_where_sizes_tell_nothing_all_stays(squares: tuple[tuple[int, int, int, float]]) -> None:
@@ -155,6 +170,21 @@ def test_a_model_is_asked_for_the_rest() -> None:
     assert len(find(large.heatmap, THRESHOLD).regions) == 1
 
 
+def test_a_name_is_asked_for_whole() -> None:
+    family = Remembers()
+    compares = ComparesSizes(family, THRESHOLD, names=["big wheel"])
+    compares.query(heat(SMALLER, LARGER), ["big wheel", "small big wheel"])
+    assert family.asked == ["big wheel", "big wheel"]
+
+
+def test_what_is_less_sure_is_not_smaller_for_that() -> None:
+    sure, unsure = heat((10, 70, 40, 0.95)), heat((100, 70, 30, 0.5))
+    rim = heat((90, 60, 50, 0.2))
+    heatmap = np.maximum(np.maximum(sure, unsure), rim)
+    chosen = compared(Evidence(heatmap), THRESHOLD, large=True, edge=0.3)
+    assert peak_point(chosen.heatmap)[0] > 90
+
+
 WHOLE = (100, 80, 40, 0.9)
 
 
@@ -170,6 +200,13 @@ def test_what_the_border_cuts_off_may_be_larger_than_it_looks(
     cut_off = (0, 100 - side // 2, side, 0.9)
     chosen = compared(Evidence(heat(cut_off, WHOLE)), THRESHOLD, large=large)
     assert (peak_point(chosen.heatmap)[0] < 100) == is_cut_off
+
+
+def test_what_is_hidden_in_part_is_as_large_as_it_is_long() -> None:
+    hidden = heat((20, 70, 60, 0.9), WHOLE)
+    hidden[80:, 30:80] = 0.0
+    chosen = compared(Evidence(hidden), THRESHOLD, large=True)
+    assert peak_point(chosen.heatmap)[0] < 100
 
 
 def test_both_may_be_cut_off() -> None:

@@ -1,17 +1,20 @@
 """Very short trainings: interrupted, continued, repeated, scored."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
+from msgspec import structs
 
 from fakes.rendered import write_pictures
 from fakes.tiny_models import TINY
 from w2c.clock import StepClock
 from w2c.errors import ConfigError, ModelError
+from w2c_grounding.card import read_card, write_card
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import load
 from w2c_grounding.train.commands import train
@@ -64,6 +67,7 @@ def test_a_training_leaves_a_checkpoint_that_loads_and_its_scores(
     family, card = load(ModelConfig(model=str(task.out / "checkpoint"), threads=1))
     assert card.vocabulary is not None
     assert {"square", "red"} <= set(card.vocabulary)
+    assert card.names_of_size == ("big button",)
     image = np.zeros((90, 160, 3), dtype=np.uint8)
     assert len(family.query(family.prepare(image), ["square", "disc"])) == 2
     assert json.loads((task.out / "scores.json").read_text())["threshold"] == card.threshold
@@ -88,6 +92,21 @@ def test_weights_can_be_begun_with(task: Task, trained: dict[str, float], tmp_pa
     before, after = weights(task), weights(begun)
     change = max(float((before[name] - after[name]).abs().max()) for name in before)
     assert 0.0 < change < 0.02
+
+
+def test_what_was_known_before_stays_known(
+    task: Task, trained: dict[str, float], tmp_path: Path
+) -> None:
+    before = shutil.copytree(task.out / "checkpoint", tmp_path / "before")
+    card = structs.replace(
+        read_card(before, ""), vocabulary=["gate"], names_of_size=("little gate",)
+    )
+    write_card(card, before)
+    begun = replace(task, out=tmp_path, begin_with=before, steps=1)
+    assert Run(begun, StepClock(), lambda _: None)() is not None
+    after = read_card(tmp_path / "checkpoint", "")
+    assert {"gate", "square"} <= set(after.vocabulary or ())
+    assert after.names_of_size == ("big button", "little gate")
 
 
 def test_another_training_is_not_continued(task: Task, trained: dict[str, float]) -> None:
