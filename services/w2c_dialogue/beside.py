@@ -1,4 +1,9 @@
-"""Beside a thing: at the height of its foot in the picture.
+"""Beside a thing: near enough, and at the height of its foot in the picture.
+
+Where no length is said, models put a place a fifth of a thing's size off its edge. Beside a crate
+that is farther than a hand needs, and farther off lies the next thing, or the end of the table. Of
+471 prompts of the benchmark that name a side and no length (true boxes, seeds 30 to 49) a fifth is
+accepted in 0.93, at most what a hand needs in 0.96.
 
 A robot looks down at things. What stands shows its foot in the lower part of its outline, and level
 with the middle of the outline lies the surface behind it. Of 223 prompts of the benchmark that name
@@ -13,8 +18,40 @@ from w2c_dialogue.prompts.base import SceneObject
 
 FOOT = 0.67
 """Of the height of an outline, from its upper edge"""
+USUAL = 0.2
+"""Of the size of a thing: how far off its edge a place is where no length is said. Prompts and the
+corpus of the embedded model say so"""
+AS_USUAL = 0.01
+"""So near that, as a share of the size, a distance is the usual one, and no length was said"""
+NEEDED_CM = (4.0, 2.0)
+"""What a hand needs to the side of a thing, and before or behind it: there a robot sees half of it,
+because it looks down at an angle"""
 LEVEL = 0.02
 """So near its middle, as a share of its height, a place is level with the thing and nothing more"""
+
+
+def near_enough(
+    place: tuple[float, float], objects: Sequence[SceneObject], pixels_per_cm: float
+) -> tuple[float, float]:
+    """Return a place (u, v) beside one thing, no farther from it than a hand needs [px].
+
+    Every other place stays where it is: one at a distance that was said, and one of several things.
+    """
+    if len(objects) != 1:
+        return place
+    box = objects[0].box
+    across, along = (needed * pixels_per_cm for needed in NEEDED_CM)
+    u = _nearer(place[0], box.left, box.right, across)
+    return u, _nearer(place[1], box.top, box.bottom, along)
+
+
+def _nearer(at: float, start: float, end: float, needed: float) -> float:
+    """Return a coordinate that is the usual distance outside of an interval, at most `needed`."""
+    size = end - start
+    distance = max(start - at, at - end)
+    if abs(distance - USUAL * size) > AS_USUAL * size or distance <= needed:
+        return at
+    return start - needed if at < start else end + needed
 
 
 def at_its_foot(point: ImagePoint, objects: Sequence[SceneObject]) -> ImagePoint:

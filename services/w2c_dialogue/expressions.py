@@ -70,7 +70,11 @@ def evaluate_point(
     x: str, y: str, symbols: Mapping[str, float], size: tuple[int, int]
 ) -> ImagePoint:
     """Return the point of two expressions, clipped to a picture of this (width, height) [px]."""
-    u, v = evaluate(x, symbols), evaluate(y, symbols)
+    return clip(evaluate(x, symbols), evaluate(y, symbols), size)
+
+
+def clip(u: float, v: float, size: tuple[int, int]) -> ImagePoint:
+    """Return a point, or the nearest one inside a picture of this (width, height) [px]."""
     inside_u = min(max(u, MARGIN), size[0] - MARGIN)
     inside_v = min(max(v, MARGIN), size[1] - MARGIN)
     return ImagePoint(inside_u, inside_v, clipped=not (0 <= u <= size[0] and 0 <= v <= size[1]))

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 from w2c.messages import PhraseEvidence
 from w2c_dialogue.answers import PointAnswer, read
-from w2c_dialogue.beside import at_its_foot
-from w2c_dialogue.expressions import ImagePoint, evaluate_point, object_symbols
+from w2c_dialogue.beside import at_its_foot, near_enough
+from w2c_dialogue.expressions import ImagePoint, clip, evaluate, object_symbols
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.on_surface import onto_surface
 from w2c_dialogue.on_thing import onto_thing
@@ -50,16 +50,9 @@ def predict(
         CallError: a service does not answer.
     """
     objects = scene_objects(evidence)
-    point = relative_point(
-        model,
-        prompts,
-        utterance=utterance,
-        mentions=mentions,
-        objects=objects,
-        pixels_per_cm=pixels_per_cm,
-        size=(frame.width, frame.height),
-    )
-    beside = at_its_foot(point, objects)
+    described = _described(model, prompts, utterance, mentions, objects, pixels_per_cm)
+    near = clip(*near_enough(described, objects, pixels_per_cm), (frame.width, frame.height))
+    beside = at_its_foot(near, objects)
     on_it = onto_thing(beside, objects, grounding, frame)
     point = onto_surface(on_it, objects, grounding, frame)
     warnings = unknown_warnings(evidence) + ((OUTSIDE,) if point.clipped else ())
@@ -94,8 +87,21 @@ def relative_point(
         ModelError: the model's arithmetic cannot be followed.
         CallError: the model does not answer.
     """
+    described = _described(model, prompts, utterance, mentions, objects, pixels_per_cm)
+    return clip(*described, size)
+
+
+def _described(
+    model: LanguageModel,
+    prompts: PromptSet,
+    utterance: Utterance,
+    mentions: Sequence[Mention],
+    objects: Sequence[SceneObject],
+    pixels_per_cm: float,
+) -> tuple[float, float]:
+    """Return what a model's arithmetic makes, in the picture or outside (u, v) [px]."""
     check_numbers(utterance)
     question = prompts.relative(utterance, mentions, objects, pixels_per_cm)
     answer = read(model.complete(question), PointAnswer)
     symbols = object_symbols([item.box for item in objects], pixels_per_cm)
-    return evaluate_point(answer.x, answer.y, symbols, size)
+    return evaluate(answer.x, symbols), evaluate(answer.y, symbols)

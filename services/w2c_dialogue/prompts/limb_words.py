@@ -15,6 +15,8 @@ _HANDS = frozenset(
     {"arm", "elbow", "fingers", "fingertips", "fist", "forearm", "hand", "palm", "paw", "wrist"}
 )
 _FEET = frozenset({"boot", "foot", "heel", "hoof", "leg", "sole", "toes"})
+LIMBS = _HANDS | _FEET
+"""Words for a hand or a foot"""
 _LIMBS: dict[tuple[str, bool], EndEffector] = {
     ("left", True): "left_hand",
     ("right", True): "right_hand",
@@ -33,7 +35,7 @@ _TAKE_BACK = frozenset(
 )  # fmt: skip
 
 
-_LIMB = "|".join(sorted(_HANDS | _FEET))
+_LIMB = "|".join(sorted(LIMBS))
 _NOT_THIS = tuple(
     re.compile(pattern)
     for pattern in (
@@ -60,7 +62,7 @@ def named_limb(utterance: Utterance) -> EndEffector | None:
         return None
     named: set[EndEffector] = set()
     for at, word in enumerate(words):
-        if word not in _HANDS | _FEET:
+        if word not in LIMBS:
             continue
         side = _side(utterance.folded, at)
         if side is None:

@@ -9,6 +9,7 @@ and parts alone name nothing. What may be a name is left to the model.
 from collections.abc import Sequence
 
 from w2c_dialogue.prompts.clauses import is_cut
+from w2c_dialogue.prompts.limb_words import LIMBS
 from w2c_dialogue.utterance import LETTERS, Span, Utterance
 
 MAX_SPAN_WORDS = 12
@@ -72,6 +73,9 @@ _MARKS = frozenset(".;:!?")
 _CLOSING = "\"')]"
 _OUT_OF = ["out", "of"]
 """`thing to drink out of`"""
+_ANYTHING = frozenset({"object", "one", "something", "stuff", "thing", "things", "tool"})
+"""`the thing to` goes on: it is told by what it is for"""
+_OWN = frozenset({"my", "the", "your"})
 _PLACES = frozenset(
     {
         "above", "at", "behind", "below", "beside", "between", "but", "in", "near", "next", "not",
@@ -94,6 +98,8 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         and not NO_NAMES.issuperset(words[first : last + 1])
         and not is_cut(heard, first, last)
         and not _goes_past(heard, first, last)
+        and not _stops_short(words, last)
+        and not _takes_a_limbs_word(words, last)
     ]
 
 
@@ -108,6 +114,18 @@ def _with_pauses(utterance: Utterance) -> list[str]:
 def _goes_past(heard: Sequence[str], first: int, last: int) -> bool:
     """Tell whether a name goes past its end: `step, | behind the milk bottles`."""
     return any(heard[at].endswith(",") and heard[at + 1] in _PLACES for at in range(first, last))
+
+
+def _stops_short(words: Sequence[str], last: int) -> bool:
+    """Tell whether a name ends before what a thing is for: `the thing to | hit with`."""
+    return words[last] == "to" and words[last - 1] in _ANYTHING and last + 1 < len(words)
+
+
+def _takes_a_limbs_word(words: Sequence[str], last: int) -> bool:
+    """Tell whether the last word belongs to a limb: `the thing to hit with | your left hand`."""
+    if words[last] not in ("using", "with") or not _OWN.issuperset(words[last + 1 : last + 2]):
+        return False
+    return not LIMBS.isdisjoint(words[last + 2 : last + 4])
 
 
 def _any_of(numbers: set[int]) -> str:

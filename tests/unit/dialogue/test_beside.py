@@ -3,7 +3,7 @@
 import pytest
 
 from w2c.messages import Box
-from w2c_dialogue.beside import FOOT, at_its_foot
+from w2c_dialogue.beside import FOOT, NEEDED_CM, USUAL, at_its_foot, near_enough
 from w2c_dialogue.expressions import ImagePoint
 from w2c_dialogue.prompts.base import SceneObject
 
@@ -32,3 +32,43 @@ def test_level_with_its_middle_becomes_level_with_its_foot(u: float) -> None:
 )
 def test_every_other_place_stays(point: ImagePoint, objects: list[SceneObject]) -> None:
     assert at_its_foot(point, objects) is point
+
+
+PX_PER_CM = 4.0
+LARGE = SceneObject("crate", Box(left=400.0, top=200.0, right=800.0, bottom=500.0, score=0.9))
+LEFT, RIGHT = 400.0 - USUAL * 400.0, 800.0 + USUAL * 400.0
+BEHIND, BEFORE = 200.0 - USUAL * 300.0, 500.0 + USUAL * 300.0
+ACROSS, ALONG = NEEDED_CM[0] * PX_PER_CM, NEEDED_CM[1] * PX_PER_CM
+
+
+@pytest.mark.parametrize(
+    ("place", "near"),
+    [
+        pytest.param((LEFT, 350.0), (400.0 - ACROSS, 350.0), id="left"),
+        pytest.param((RIGHT, 350.0), (800.0 + ACROSS, 350.0), id="right"),
+        pytest.param((600.0, BEHIND), (600.0, 200.0 - ALONG), id="behind"),
+        pytest.param((600.0, BEFORE), (600.0, 500.0 + ALONG), id="before"),
+        pytest.param((LEFT, BEFORE), (400.0 - ACROSS, 500.0 + ALONG), id="before and left"),
+        pytest.param((LEFT, 700.0), (400.0 - ACROSS, 700.0), id="left, and another length"),
+    ],
+)
+def test_where_no_length_is_said_a_place_is_as_near_as_a_hand_needs(
+    place: tuple[float, float], near: tuple[float, float]
+) -> None:
+    assert near_enough(place, [LARGE], PX_PER_CM) == pytest.approx(near)
+
+
+@pytest.mark.parametrize(
+    ("place", "objects", "pixels_per_cm"),
+    [
+        pytest.param((LEFT - 8.0, 350.0), [LARGE], PX_PER_CM, id="a length that was said"),
+        pytest.param((LEFT, 350.0), [LARGE], 40.0, id="a small thing"),
+        pytest.param((600.0, 350.0), [LARGE], PX_PER_CM, id="on it"),
+        pytest.param((LEFT, 350.0), [LARGE, MUG], PX_PER_CM, id="of two things"),
+        pytest.param((LEFT, 350.0), [], PX_PER_CM, id="of nothing"),
+    ],
+)
+def test_every_other_distance_stays(
+    place: tuple[float, float], objects: list[SceneObject], pixels_per_cm: float
+) -> None:
+    assert near_enough(place, objects, pixels_per_cm) == place

@@ -51,6 +51,18 @@ def test_centimetres_are_as_long_as_was_said() -> None:
     assert found.point == (560.0, 367.0)
 
 
+@pytest.mark.parametrize(("pixels_per_cm", "u"), [(8.0, 580.0), (2.0, 592.0)])
+def test_beside_a_large_thing_is_no_farther_than_a_hand_needs(
+    pixels_per_cm: float, u: float
+) -> None:
+    usual = {"x": "a.left-0.2*a.width", "y": "a.v"}
+    model = ScriptedModel(select=["prediction"], analyze=[RELATIVE], relative=[usual])
+    predicting = Predicting(model, KnownThings(**THINGS))
+    found = predicting.predict("left of the cup", b"picture", (1280, 720), pixels_per_cm)
+
+    assert found.point == (u, 367.0)
+
+
 def test_of_several_things_the_best_is_taken_and_it_says_so() -> None:
     found = predict(things={"book": [BOOK, CUP]})
 

@@ -30,6 +30,11 @@ def names(text: str) -> set[str]:
         ("behind the top shelf, please", "top shelf"),
         ("to the mug on the right", "mug on the right"),
         ("a bit nearer to the sponge", "sponge"),
+        ("take the thing to hit with using your left hand", "thing to hit with"),
+        ("take the thing to hit with with your left hand", "thing to hit with"),
+        ("take the thing to hit with your left hand", "thing to hit"),
+        ("the bar that i hold on to", "bar that i hold on to"),
+        ("press the box with the handle", "box with the handle"),
     ],
 )
 def test_what_people_call_a_thing_may_be_a_name(text: str, name: str) -> None:
@@ -47,6 +52,9 @@ def test_what_people_call_a_thing_may_be_a_name(text: str, name: str) -> None:
         ("your foot on the step, behind the milk", "step, behind the milk"),
         ("not the screen, the shelf", "not the screen"),
         ("touch the thing that opens", "thing that"),
+        ("take the thing to hit with using your left hand", "thing to"),
+        ("take the thing for hot drinks with your left palm", "thing for hot drinks with"),
+        ("reach the thing to hit with with your hand", "thing to hit with with"),
     ],
 )
 def test_words_around_a_thing_are_not_part_of_its_name(text: str, name: str) -> None:
