@@ -98,10 +98,11 @@ def onto_surface(
         if gap > 0.0 and hull[cell_at(point.u, point.v, hull.shape, size)]:
             kept &= hull
             reach = max(reach, 0.5 * gap)
-    place = nearest(kept, point, size)
-    if place is None or math.dist((place.u, place.v), (point.u, point.v)) > reach:
-        return point
-    return place
+    for cells in (kept & _level(point, boxes, kept.shape, size), kept):
+        place = nearest(cells, point, size)
+        if place is not None and math.dist((place.u, place.v), (point.u, point.v)) <= reach:
+            return place
+    return point
 
 
 def _on_the_same_side(
@@ -125,6 +126,24 @@ def _on_the_same_side(
         elif point.v >= box.bottom:
             kept[:bottom] = False
     return kept
+
+
+def _level(
+    point: ImagePoint, boxes: Sequence[Box], shape: tuple[int, ...], size: tuple[int, int]
+) -> npt.NDArray[np.bool_]:
+    """Return the cells (h, w) that are level with the things that a point is level with.
+
+    What is in front of a thing, and a little to the left, nobody calls left of it.
+    """
+    cells = np.ones(shape, np.bool_)
+    for box in boxes:
+        top, left = cell_at(box.left, box.top, shape, size)
+        bottom, right = cell_at(box.right, box.bottom, shape, size)
+        if box.top <= point.v < box.bottom:
+            cells[:top] = cells[bottom + 1 :] = False
+        elif box.left <= point.u < box.right:
+            cells[:, :left] = cells[:, right + 1 :] = False
+    return cells
 
 
 def _gap(point: ImagePoint, one: Box, other: Box) -> float:

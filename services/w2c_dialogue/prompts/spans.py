@@ -75,7 +75,7 @@ _OUT_OF = ["out", "of"]
 """`thing to drink out of`"""
 _ANYTHING = frozenset({"object", "one", "something", "stuff", "thing", "things", "tool"})
 """`the thing to` goes on: it is told by what it is for"""
-_OWN = frozenset({"my", "the", "your"})
+_OWN = frozenset({"my", "your"})
 _PLACES = frozenset(
     {
         "above", "at", "behind", "below", "beside", "between", "but", "in", "near", "next", "not",
@@ -99,7 +99,7 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         and not is_cut(heard, first, last)
         and not _goes_past(heard, first, last)
         and not _stops_short(words, last)
-        and not _takes_a_limbs_word(words, last)
+        and not _takes_of_a_limb(words, first, last)
     ]
 
 
@@ -121,11 +121,14 @@ def _stops_short(words: Sequence[str], last: int) -> bool:
     return words[last] == "to" and words[last - 1] in _ANYTHING and last + 1 < len(words)
 
 
-def _takes_a_limbs_word(words: Sequence[str], last: int) -> bool:
-    """Tell whether the last word belongs to a limb: `the thing to hit with | your left hand`."""
-    if words[last] not in ("using", "with") or not _OWN.issuperset(words[last + 1 : last + 2]):
-        return False
-    return not LIMBS.isdisjoint(words[last + 2 : last + 4])
+def _takes_of_a_limb(words: Sequence[str], first: int, last: int) -> bool:
+    """Tell whether words of a limb are in a name: `the thing to wear | with your left hand`."""
+    return any(
+        words[at] in ("using", "with")
+        and not _OWN.isdisjoint(words[at + 1 : at + 2])
+        and not LIMBS.isdisjoint(words[at + 2 : at + 4])
+        for at in range(first, last + 1)
+    )
 
 
 def _any_of(numbers: set[int]) -> str:

@@ -99,6 +99,32 @@ def test_a_place_past_the_edge_moves_onto_the_table() -> None:
     assert moved.u == pytest.approx(450.0, abs=CELL)
 
 
+@pytest.mark.parametrize(
+    ("start", "level"),
+    [pytest.param(345.0, True, id="it fits there"), pytest.param(300.0, False, id="too far")],
+)
+def test_left_of_a_thing_is_level_with_it_where_that_is_near(start: float, level: bool) -> None:
+    taken = Box(left=start, top=300.0, right=400.0, bottom=420.0, score=0.9)
+
+    moved = moved_onto(at(385.0, 395.0), table(CUP.box, taken), [CUP])
+
+    assert (moved.v < 400.0) == level
+    assert (moved.u < start) == level
+
+
+@pytest.mark.parametrize(
+    ("start", "level"),
+    [pytest.param(255.0, True, id="it fits there"), pytest.param(220.0, False, id="too far")],
+)
+def test_so_is_behind_it(start: float, level: bool) -> None:
+    taken = Box(left=390.0, top=start, right=520.0, bottom=300.0, score=0.9)
+
+    moved = moved_onto(at(495.0, 285.0), table(CUP.box, taken), [CUP])
+
+    assert (moved.u < 500.0) == level
+    assert (moved.v < start) == level
+
+
 def test_the_table_goes_on_beyond_the_edge_of_the_picture() -> None:
     point = at(1279.0, 719.0)
     assert moved_onto(point, table(), [CUP]) is point

@@ -35,6 +35,7 @@ def names(text: str) -> set[str]:
         ("take the thing to hit with your left hand", "thing to hit"),
         ("the bar that i hold on to", "bar that i hold on to"),
         ("press the box with the handle", "box with the handle"),
+        ("the doll with the left arm in a sling", "doll with the left arm in a sling"),
     ],
 )
 def test_what_people_call_a_thing_may_be_a_name(text: str, name: str) -> None:
@@ -55,6 +56,8 @@ def test_what_people_call_a_thing_may_be_a_name(text: str, name: str) -> None:
         ("take the thing to hit with using your left hand", "thing to"),
         ("take the thing for hot drinks with your left palm", "thing for hot drinks with"),
         ("reach the thing to hit with with your hand", "thing to hit with with"),
+        ("right of the thing to wear with your left hand", "thing to wear with your left"),
+        ("right of the thing to wear with your left hand", "thing to wear with your left hand"),
     ],
 )
 def test_words_around_a_thing_are_not_part_of_its_name(text: str, name: str) -> None:
