@@ -45,7 +45,7 @@ class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     finds smaller things and takes more time, in training and afterwards."""
     resume: bool = False
     """Go on from OUT/state.pt."""
-    name: str = "w2c-clipseg-10"
+    name: str = "w2c-clipseg-9"
     """Of the model, in its card and its replies."""
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     """Of products; auto = bfloat16 where the processor has it."""

@@ -47,7 +47,7 @@ class Task:
     begin_with: Path | None = None
     side: int | None = None
     resume: bool = False
-    name: str = "w2c-clipseg-10"
+    name: str = "w2c-clipseg-9"
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     size: Size = field(default_factory=Size)
     plan: Plan = field(default_factory=Plan)
