@@ -153,12 +153,11 @@ def regions_of(
     """
     level = edge * float(heatmap.max())
     everywhere = heatmap >= level
-    # Most of a picture is cold, and what finds connected sets goes through all that it is given.
-    rows, columns = (np.flatnonzero(everywhere.any(axis=axis)) for axis in (1, 0))
-    if not len(rows):
+    window = window_of(everywhere)
+    if window is None:
         return ()
-    first_row, first_column = int(rows[0]), int(columns[0])
-    inside = everywhere[first_row : rows[-1] + 1, first_column : columns[-1] + 1].astype(np.uint8)
+    first_row, first_column = window[0].start, window[1].start
+    inside = everywhere[window].astype(np.uint8)
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(inside, connectivity=8)
     regions: list[tuple[float, int, Region]] = []
     for label in range(1, len(statistics)):
@@ -171,6 +170,17 @@ def regions_of(
             regions.append((peak, area, region))
     regions.sort(key=lambda entry: (-entry[0], -entry[1]))
     return tuple(region for _, _, region in regions)
+
+
+def window_of(mask: Mask) -> tuple[slice, slice] | None:
+    """Return the rows and columns of what is in a mask (h, w); None: nothing is.
+
+    Most of a picture is cold, and what finds connected sets goes through all that it is given.
+    """
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return None
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
 def peak_point(heatmap: Heatmap, region: Region | None = None) -> Pixel:

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from w2c_grounding.evidence import REGION_FRACTION, Region, find, regions_of
+from w2c_grounding.evidence import REGION_FRACTION, Region, find, regions_of, window_of
 from w2c_grounding.family import ContextT, Evidence, Family, Heatmap, RgbImage, ScoredBox
 from w2c_grounding.wording import FUNCTION_WORDS
 
@@ -109,7 +109,7 @@ def compared(
     regions = _large_enough(finding.regions, heatmap.size)
     if evidence.boxes is None:
         cores = regions if len(regions) > 1 else _apart(heatmap, OTHERS * threshold, edge)
-        regions = _grown(cores, heatmap, edge) if cores else []
+        regions = _grown(cores, heatmap, edge)
     if len(regions) < 2:
         return evidence
     sizes = [_size(one, heatmap, large=large) for one in regions]
@@ -149,14 +149,31 @@ def _grown(cores: Sequence[Region], heatmap: Heatmap, edge: float) -> list[Regio
     At one level for all, what the model is less sure of would look smaller. What lies between two
     goes to the nearest.
     """
-    outside = np.ones(heatmap.shape, np.uint8)
-    for core in cores:
+    window = window_of(heatmap >= edge * min((core.score for core in cores), default=np.inf))
+    if window is None:
+        return []
+    top, left = window[0].start, window[1].start
+    heat = heatmap[window]
+    inside = [_moved(core, -left, -top) for core in cores]
+    outside = np.ones(heat.shape, np.uint8)
+    for core in inside:
         outside[core.top : core.bottom, core.left : core.right][core.mask] = 0
     _, labels = cv2.distanceTransformWithLabels(
         outside, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_CCOMP
     )
     nearest = np.asarray(labels, np.int32)
-    return [_around(core, heatmap, edge, nearest) for core in cores]
+    return [_moved(_around(core, heat, edge, nearest), left, top) for core in inside]
+
+
+def _moved(region: Region, du: int, dv: int) -> Region:
+    """Return a region somewhere else [px]."""
+    return replace(
+        region,
+        left=region.left + du,
+        top=region.top + dv,
+        right=region.right + du,
+        bottom=region.bottom + dv,
+    )
 
 
 def _around(core: Region, heatmap: Heatmap, edge: float, nearest: npt.NDArray[np.int32]) -> Region:

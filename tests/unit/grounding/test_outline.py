@@ -90,14 +90,14 @@ def test_of_half_a_thing_that_was_lit_the_whole_is_found() -> None:
 
 
 def test_what_was_lit_beside_a_thing_is_no_longer_of_it() -> None:
-    bar = (100, 80, 180, 100)
-    (found,) = boxes_of(outlined(Lights(heat((94, 70, 186, 110, 0.8))), picture(bar)))
+    bar = (100, 80, 150, 100)
+    (found,) = boxes_of(outlined(Lights(heat((94, 70, 156, 110, 0.8))), picture(bar)))
     assert np.allclose(found, bar, atol=2)
 
 
 def test_a_peak_that_lies_beside_the_thing_does_not_cost_its_score() -> None:
-    bar = (100, 80, 180, 100)
-    lights = Lights(heat((100, 70, 180, 100, 0.6), (120, 70, 130, 76, 0.9)))
+    bar = (100, 80, 150, 100)
+    lights = Lights(heat((100, 70, 150, 100, 0.6), (120, 70, 130, 76, 0.9)))
     after = outlined(lights, picture(bar))
     assert float(after.max()) == pytest.approx(0.9)
     assert 80 <= peak_point(after)[1] <= 100
