@@ -76,6 +76,7 @@ _OUT_OF = ["out", "of"]
 _ANYTHING = frozenset({"object", "one", "something", "stuff", "thing", "things", "tool"})
 """`the thing to` goes on: it is told by what it is for"""
 _OWN = frozenset({"my", "your"})
+_SIDES = frozenset({"left", "right"})
 _PLACES = frozenset(
     {
         "above", "at", "behind", "below", "beside", "between", "but", "in", "near", "next", "not",
@@ -122,11 +123,15 @@ def _stops_short(words: Sequence[str], last: int) -> bool:
 
 
 def _takes_of_a_limb(words: Sequence[str], first: int, last: int) -> bool:
-    """Tell whether words of a limb are in a name: `the thing to wear | with your left hand`."""
+    """Tell whether words of a limb are in a name: `the thing to wear | with your left hand`.
+
+    A limb without its side may be: `the tap you work with your foot`.
+    """
     return any(
         words[at] in ("using", "with")
         and not _OWN.isdisjoint(words[at + 1 : at + 2])
-        and not LIMBS.isdisjoint(words[at + 2 : at + 4])
+        and not _SIDES.isdisjoint(words[at + 2 : at + 3])
+        and not LIMBS.isdisjoint(words[at + 3 : at + 4])
         for at in range(first, last + 1)
     )
 

@@ -35,6 +35,7 @@ def names(text: str) -> set[str]:
         ("take the thing to hit with your left hand", "thing to hit"),
         ("the bar that i hold on to", "bar that i hold on to"),
         ("press the box with the handle", "box with the handle"),
+        ("next to the tap you work with your foot", "tap you work with your foot"),
         ("the doll with the left arm in a sling", "doll with the left arm in a sling"),
     ],
 )
@@ -55,7 +56,7 @@ def test_what_people_call_a_thing_may_be_a_name(text: str, name: str) -> None:
         ("touch the thing that opens", "thing that"),
         ("take the thing to hit with using your left hand", "thing to"),
         ("take the thing for hot drinks with your left palm", "thing for hot drinks with"),
-        ("reach the thing to hit with with your hand", "thing to hit with with"),
+        ("reach the thing to hit with with your right hand", "thing to hit with with"),
         ("right of the thing to wear with your left hand", "thing to wear with your left"),
         ("right of the thing to wear with your left hand", "thing to wear with your left hand"),
     ],
