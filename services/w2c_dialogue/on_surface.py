@@ -114,8 +114,7 @@ def _on_the_same_side(
     """Return those of the cells (h, w) that are on the sides of the things that a point is on."""
     kept = cells.copy()
     for box in boxes:
-        top, left = cell_at(box.left, box.top, cells.shape, size)
-        bottom, right = cell_at(box.right, box.bottom, cells.shape, size)
+        top, left, bottom, right = _edges(box, cells.shape, size)
         # The cell of the point itself is always kept, also where it is the one of the edge.
         if point.u < box.left:
             kept[:, left + 1 :] = False
@@ -137,13 +136,20 @@ def _level(
     """
     cells = np.ones(shape, np.bool_)
     for box in boxes:
-        top, left = cell_at(box.left, box.top, shape, size)
-        bottom, right = cell_at(box.right, box.bottom, shape, size)
+        top, left, bottom, right = _edges(box, shape, size)
         if box.top <= point.v < box.bottom:
             cells[:top] = cells[bottom + 1 :] = False
         elif box.left <= point.u < box.right:
             cells[:, :left] = cells[:, right + 1 :] = False
     return cells
+
+
+def _edges(box: Box, shape: tuple[int, ...], size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the cells of the edges of a box: rows and columns of its first corner and its last."""
+    return (
+        *cell_at(box.left, box.top, shape, size),
+        *cell_at(box.right, box.bottom, shape, size),
+    )
 
 
 def _gap(point: ImagePoint, one: Box, other: Box) -> float:

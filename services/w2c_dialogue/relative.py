@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from w2c.messages import PhraseEvidence
 from w2c_dialogue.answers import PointAnswer, read
 from w2c_dialogue.beside import at_its_foot, near_enough
-from w2c_dialogue.expressions import ImagePoint, clip, evaluate, object_symbols
+from w2c_dialogue.expressions import clip, evaluate, object_symbols
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.on_surface import onto_surface
 from w2c_dialogue.on_thing import onto_thing
@@ -50,8 +50,15 @@ def predict(
         CallError: a service does not answer.
     """
     objects = scene_objects(evidence)
-    described = _described(model, prompts, utterance, mentions, objects, pixels_per_cm)
-    near = clip(*near_enough(described, objects, pixels_per_cm), (frame.width, frame.height))
+    place = described(
+        model,
+        prompts,
+        utterance=utterance,
+        mentions=mentions,
+        objects=objects,
+        pixels_per_cm=pixels_per_cm,
+    )
+    near = clip(*near_enough(place, objects, pixels_per_cm), (frame.width, frame.height))
     beside = at_its_foot(near, objects)
     on_it = onto_thing(beside, objects, grounding, frame)
     point = onto_surface(on_it, objects, grounding, frame)
@@ -61,7 +68,7 @@ def predict(
     return Prediction(point.u, point.v, objects, warnings)
 
 
-def relative_point(
+def described(
     model: LanguageModel,
     prompts: PromptSet,
     *,
@@ -69,9 +76,8 @@ def relative_point(
     mentions: Sequence[Mention],
     objects: Sequence[SceneObject],
     pixels_per_cm: float,
-    size: tuple[int, int],
-) -> ImagePoint:
-    """Return the point that the words describe, of objects whose boxes are known.
+) -> tuple[float, float]:
+    """Return the place (u, v) that words describe, in the picture or outside of it [px].
 
     Args:
         model: Writes the arithmetic.
@@ -80,26 +86,12 @@ def relative_point(
         mentions: Its words for the objects, in order.
         objects: The same, in the picture.
         pixels_per_cm: Scale of the picture there.
-        size: Width and height of the picture [px].
 
     Raises:
         RefusedError: a number is none.
         ModelError: the model's arithmetic cannot be followed.
         CallError: the model does not answer.
     """
-    described = _described(model, prompts, utterance, mentions, objects, pixels_per_cm)
-    return clip(*described, size)
-
-
-def _described(
-    model: LanguageModel,
-    prompts: PromptSet,
-    utterance: Utterance,
-    mentions: Sequence[Mention],
-    objects: Sequence[SceneObject],
-    pixels_per_cm: float,
-) -> tuple[float, float]:
-    """Return what a model's arithmetic makes, in the picture or outside (u, v) [px]."""
     check_numbers(utterance)
     question = prompts.relative(utterance, mentions, objects, pixels_per_cm)
     answer = read(model.complete(question), PointAnswer)

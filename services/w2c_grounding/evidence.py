@@ -5,7 +5,7 @@ Pure functions. Pixels are (u right, v down), the centre of pixel (0, 0) is at (
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import cv2
@@ -44,6 +44,16 @@ class Region:
     """Highest probability inside, or that of the model's own box"""
     mask: Mask
     """(bottom - top, right - left)"""
+
+    def moved(self, du: int, dv: int) -> "Region":
+        """Return the same region somewhere else [px]."""
+        return replace(
+            self,
+            left=self.left + du,
+            top=self.top + dv,
+            right=self.right + du,
+            bottom=self.bottom + dv,
+        )
 
 
 @dataclass(frozen=True)

@@ -154,7 +154,7 @@ def _grown(cores: Sequence[Region], heatmap: Heatmap, edge: float) -> list[Regio
         return []
     top, left = window[0].start, window[1].start
     heat = heatmap[window]
-    inside = [_moved(core, -left, -top) for core in cores]
+    inside = [core.moved(-left, -top) for core in cores]
     outside = np.ones(heat.shape, np.uint8)
     for core in inside:
         outside[core.top : core.bottom, core.left : core.right][core.mask] = 0
@@ -162,18 +162,7 @@ def _grown(cores: Sequence[Region], heatmap: Heatmap, edge: float) -> list[Regio
         outside, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_CCOMP
     )
     nearest = np.asarray(labels, np.int32)
-    return [_moved(_around(core, heat, edge, nearest), left, top) for core in inside]
-
-
-def _moved(region: Region, du: int, dv: int) -> Region:
-    """Return a region somewhere else [px]."""
-    return replace(
-        region,
-        left=region.left + du,
-        top=region.top + dv,
-        right=region.right + du,
-        bottom=region.bottom + dv,
-    )
+    return [_around(core, heat, edge, nearest).moved(left, top) for core in inside]
 
 
 def _around(core: Region, heatmap: Heatmap, edge: float, nearest: npt.NDArray[np.int32]) -> Region:
@@ -193,8 +182,9 @@ def _size(region: Region, heatmap: Heatmap, *, large: bool) -> float:
     """Return how large a thing is, in square pixels of the middle of the picture.
 
     It is the geometric mean of its area and its squared length: in front of a thing may be another,
-    and of a thing that stands upright less is seen than of one that lies. Decision 0020 says on
-    what it was chosen.
+    and of a thing that stands upright less is seen than of one that lies. For who looks for a small
+    one, what the border cuts off may be larger than it looks. Decision 0020 says on what this was
+    chosen.
     """
     length = max(region.right - region.left, region.bottom - region.top)
     seen = length * math.sqrt(np.count_nonzero(region.mask)) / _length_at(region, len(heatmap)) ** 2

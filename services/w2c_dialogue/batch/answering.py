@@ -17,9 +17,10 @@ from w2c_dialogue.batch.lines import (
 )
 from w2c_dialogue.corrector import corrected_point
 from w2c_dialogue.effector import choose_effector
+from w2c_dialogue.expressions import clip
 from w2c_dialogue.interfaces import LanguageModel
 from w2c_dialogue.prompts.base import CorrectionScene, Move, PromptSet, SceneObject
-from w2c_dialogue.relative import relative_point
+from w2c_dialogue.relative import described
 from w2c_dialogue.selector import Selection, select
 from w2c_dialogue.utterance import LETTERS, Mention, Span, Utterance, fold, parse
 
@@ -92,15 +93,15 @@ class Answering:
             # "left of it": the words name nothing, and the line says what they mean.
             objects = tuple(map(_seen, question.objects[: len(LETTERS)]))
             mentions = tuple(Mention(item.phrase, None) for item in objects)
-        point = relative_point(
+        place = described(
             self._model,
             self._prompts,
             utterance=utterance,
             mentions=mentions,
             objects=objects,
             pixels_per_cm=question.px_per_cm,
-            size=SIZE,
         )
+        point = clip(*place, SIZE)
         return {"point": [point.u, point.v], "clipped": point.clipped}
 
     def _correct(self, question: Correct) -> Answer:

@@ -8,6 +8,7 @@ mention.
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from w2c_dialogue.beside import USUAL as USUAL_SHARE
 from w2c_dialogue.corpus.draw import Draw
 from w2c_dialogue.corpus.measures import body_length, distance
 from w2c_dialogue.corpus.things import meanings, names
@@ -24,7 +25,7 @@ class Location:
     """The facts about the boxes under which this is right; empty: any."""
 
 
-USUAL, CLOSE, DISTANT = "0.2*{}", "0.1*{}", "1.5*{}"
+USUAL, CLOSE, DISTANT = f"{USUAL_SHARE}*{{}}", "0.1*{}", "1.5*{}"
 """Distances from the edge where no length is said: plain, `just left of`, `far left of`. Of 115
 places at a side of a thing in pictures of `w2c benchmark make` (true boxes, seeds 30 to 33) a plain
 one is accepted at 0.2 of the size in 0.90, at 0.3 in 0.85, at 0.5, which was usual at first, in

@@ -1,7 +1,6 @@
 """Which regions of a heatmap are worth a look from near."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -75,13 +74,7 @@ class _Piece:
     def regions(self, edge: float) -> list[Region]:
         """Return its regions in the picture, the hottest first."""
         return [
-            replace(
-                one,
-                left=self._left + one.left,
-                top=self._top + one.top,
-                right=self._left + one.right,
-                bottom=self._top + one.bottom,
-            )
+            one.moved(self._left, self._top)
             for one in regions_of(self.heat, FAINTEST, edge)
             # Not the rim of a neighbour.
             if self._inside[one.top : one.bottom, one.left : one.right][one.mask].any()

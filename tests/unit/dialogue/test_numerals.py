@@ -15,7 +15,7 @@ from w2c_dialogue.prompts.base import CorrectionScene, SceneObject
 from w2c_dialogue.prompts.bound import numbers_of
 from w2c_dialogue.prompts.numerals import UNITS, VALUES, check_numbers, in_digits, with_digits
 from w2c_dialogue.prompts.sets import PROMPT_SETS
-from w2c_dialogue.relative import relative_point
+from w2c_dialogue.relative import described
 from w2c_dialogue.utterance import Mention, Span, parse
 
 CUP = SceneObject("cup", Box(left=600.0, top=300.0, right=700.0, bottom=400.0, score=1.0))
@@ -141,12 +141,11 @@ def test_neither_a_correction_nor_a_place_follows_such_a_number() -> None:
     with pytest.raises(RefusedError):
         corrected_point(model, prompts, parse("1e999 cm left"), [], scene, (1280, 720))
     with pytest.raises(RefusedError):
-        relative_point(
+        described(
             model,
             prompts,
             utterance=parse("1e9 cm left of the cup"),
             mentions=[Mention("cup", Span(6, 6))],
             objects=[CUP],
             pixels_per_cm=10.0,
-            size=(1280, 720),
         )
