@@ -54,9 +54,9 @@ def remove_old(root: Path, digest: str) -> list[Path]:
     return old
 
 
-if numba is not None and "NUMBA_CACHE_DIR" not in os.environ:
-    _PACKAGE = Path(__file__).parent
-    numba.config.CACHE_DIR = str(cache_root(_PACKAGE) / f"{PREFIX}{source_digest(_PACKAGE)}")
+_PACKAGE = Path(__file__).parent
+CACHE = cache_root(_PACKAGE) / f"{PREFIX}{source_digest(_PACKAGE)}"
+"""Where compiled code is kept, if NUMBA_CACHE_DIR does not say"""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -70,6 +70,9 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """
     if numba is None:
         return function
+    if "NUMBA_CACHE_DIR" not in os.environ:
+        # For each function: numba reads its settings anew when a NUMBA_* variable has changed.
+        numba.config.CACHE_DIR = str(CACHE)
     result: Callable[P, R] = numba.njit(
         cache=True, error_model="numpy", fastmath={"reassoc", "contract"}
     )(function)

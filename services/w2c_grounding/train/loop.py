@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from w2c.clock import Clock
-from w2c.errors import ModelError
+from w2c.errors import ConfigError, ModelError
 from w2c_grounding.train.plan import Plan, Progress, learning_rate
 
 MOST_SKIPPED = 20
@@ -70,9 +70,20 @@ class TrainingLoop(ABC):
         self.progress.seconds = self._earlier_s + passed_s
         return self.progress.seconds
 
-    def go_on_from(self, progress: Mapping[str, Any]) -> None:
-        """Continue from the progress of a saved state. Raises TypeError where it is none."""
-        self.progress = Progress(**progress)
+    @abstractmethod
+    def load(self, state: Mapping[str, Any]) -> None:
+        """Take what a step has changed from a saved state; any exception: it does not fit."""
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from a saved state. Raises ConfigError where it does not fit."""
+        try:
+            self.load(state)
+            self.progress = Progress(**state["progress"])
+        except (KeyError, RuntimeError, ValueError, TypeError) as error:
+            raise ConfigError(
+                f"the state is of another training, model or kinds of objects: {error}; train "
+                "without --resume"
+            ) from error
         self._earlier_s = self.progress.seconds
 
     def skip(self, rate: float, most: int = MOST_SKIPPED) -> None:

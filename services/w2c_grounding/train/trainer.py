@@ -4,7 +4,7 @@ Every step is a function of the seed and its number, and there is no dropout, so
 interrupted does what it would have done.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -102,19 +102,12 @@ class Trainer(TrainingLoop):
             "progress": vars(self.progress).copy(),
         }
 
-    def restore(self, state: dict[str, Any]) -> None:
-        """Continue from a saved state. Raises ConfigError where it does not fit."""
-        try:
-            self.model.load_state_dict(state["model"])
-            self._head.load_state_dict(state["head"])
-            self._optimizer.load_state_dict(state["optimizer"])
-            self._average = {name: value.clone() for name, value in state["average"].items()}
-            self.go_on_from(state["progress"])
-        except (KeyError, RuntimeError, ValueError, TypeError) as error:
-            raise ConfigError(
-                f"the checkpoint is of another model or other kinds of objects: {error}; "
-                "train without --resume"
-            ) from error
+    def load(self, state: Mapping[str, Any]) -> None:
+        """Take weights, average and the optimiser's memory from a saved state."""
+        self.model.load_state_dict(state["model"])
+        self._head.load_state_dict(state["head"])
+        self._optimizer.load_state_dict(state["optimizer"])
+        self._average = {name: value.clone() for name, value in state["average"].items()}
 
     def _loss(self, batch: Batch) -> torch.Tensor:
         row, column = (self.progress.steps // 2) % 2, self.progress.steps % 2

@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -56,10 +57,19 @@ def test_a_package_that_cannot_be_written_has_its_code_in_the_users_cache(
     assert compiled.cache_root(package) == tmp_path / "words2contact"
 
 
-def test_functions_are_kept_there() -> None:
-    numba = pytest.importorskip("numba")
+def test_functions_are_kept_there_also_after_numba_read_its_settings_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    config = pytest.importorskip("numba").config
     if "NUMBA_CACHE_DIR" in os.environ:
         pytest.skip("NUMBA_CACHE_DIR says where compiled code is kept")
     package = Path(compiled.__file__).parent
     name = f"{compiled.PREFIX}{compiled.source_digest(package)}"
-    assert Path(numba.config.CACHE_DIR) == compiled.cache_root(package) / name
+    monkeypatch.setattr(config, "CACHE_DIR", "")
+
+    def half(number: float) -> float:
+        return number / 2
+
+    function: Any = compiled.compiled(half)
+    kept = Path(function.stats.cache_path)
+    assert kept.is_relative_to(compiled.cache_root(package) / name)

@@ -9,7 +9,6 @@ import torch
 from torch import nn
 
 from w2c.clock import Clock
-from w2c.errors import ConfigError
 from w2c_grounding.train.loop import TrainingLoop
 from w2c_grounding.train.plan import Plan, learning_rate
 
@@ -73,14 +72,8 @@ class AdditionTrainer(TrainingLoop):
             "progress": vars(self.progress).copy(),
         }
 
-    def restore(self, state: dict[str, Any]) -> None:
-        """Continue from a saved state. Raises ConfigError where it does not fit."""
-        try:
-            for name, part in self._parts.items():
-                part.load_state_dict(state[name])
-            self._optimizer.load_state_dict(state["optimizer"])
-            self.go_on_from(state["progress"])
-        except (KeyError, RuntimeError, ValueError, TypeError) as error:
-            raise ConfigError(
-                f"the state is of another training: {error}; train without --resume"
-            ) from error
+    def load(self, state: Mapping[str, Any]) -> None:
+        """Take weights and the optimiser's memory from a saved state."""
+        for name, part in self._parts.items():
+            part.load_state_dict(state[name])
+        self._optimizer.load_state_dict(state["optimizer"])
