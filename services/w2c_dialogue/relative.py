@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from w2c.messages import PhraseEvidence
 from w2c_dialogue.answers import PointAnswer, read
-from w2c_dialogue.beside import at_its_foot, near_enough
+from w2c_dialogue.beside import Described, at_its_foot, near_enough
 from w2c_dialogue.expressions import clip, evaluate, object_symbols
 from w2c_dialogue.interfaces import Frame, Grounding, LanguageModel
 from w2c_dialogue.on_surface import onto_surface
@@ -76,8 +76,8 @@ def described(
     mentions: Sequence[Mention],
     objects: Sequence[SceneObject],
     pixels_per_cm: float,
-) -> tuple[float, float]:
-    """Return the place (u, v) that words describe, in the picture or outside of it [px].
+) -> Described:
+    """Return the place that words describe.
 
     Args:
         model: Writes the arithmetic.
@@ -95,5 +95,9 @@ def described(
     check_numbers(utterance)
     question = prompts.relative(utterance, mentions, objects, pixels_per_cm)
     answer = read(model.complete(question), PointAnswer)
-    symbols = object_symbols([item.box for item in objects], pixels_per_cm)
-    return evaluate(answer.x, symbols), evaluate(answer.y, symbols)
+    boxes = [item.box for item in objects]
+    symbols = object_symbols(boxes, pixels_per_cm)
+    u, v = evaluate(answer.x, symbols), evaluate(answer.y, symbols)
+    # Twice as many pixels a centimetre move it by as much as the lengths of the world are in it.
+    across = evaluate(answer.x, object_symbols(boxes, 2.0 * pixels_per_cm)) - u
+    return Described(u, v, across)

@@ -12,7 +12,7 @@ from w2c_grounding.card import ModelCard
 from w2c_grounding.evidence import PointRule, find, thumbnail
 from w2c_grounding.family import Evidence, Family
 from w2c_grounding.picture import decode
-from w2c_grounding.wording import normalised, unknown_words
+from w2c_grounding.wording import normalised, spelt_as_known, unknown_words
 
 _REMEMBERED_PICTURES = 4
 """The operator's frame and those around it: a turn asks about one picture several times."""
@@ -57,15 +57,18 @@ class Grounder:
             RefusedError: the picture cannot be decoded, a phrase holds no word, or memory ran out.
         """
         started = self._timer()
-        texts = [normalised(phrase) for phrase in request.phrases]
+        vocabulary = self._card.vocabulary
+        texts = [spelt_as_known(normalised(phrase), vocabulary) for phrase in request.phrases]
         seen = self._see(request.jpeg)
         together = max(1, HEAT_AT_ONCE // (seen.width * seen.height))
         answers: list[m.PhraseEvidence] = []
         for start in range(0, len(texts), together):
             evidence = self._family.query(seen.context, texts[start : start + together])
             answers += [
-                self._answer(phrase, one, with_heatmap=request.want == "heatmaps")
-                for phrase, one in zip(request.phrases[start:], evidence, strict=False)
+                self._answer(phrase, text, one, with_heatmap=request.want == "heatmaps")
+                for phrase, text, one in zip(
+                    request.phrases[start:], texts[start:], evidence, strict=False
+                )
             ]
         return m.GroundingReply(
             model=self._card.name,
@@ -87,7 +90,10 @@ class Grounder:
             self._seen.popitem(last=False)
         return seen
 
-    def _answer(self, phrase: str, evidence: Evidence, *, with_heatmap: bool) -> m.PhraseEvidence:
+    def _answer(
+        self, phrase: str, text: str, evidence: Evidence, *, with_heatmap: bool
+    ) -> m.PhraseEvidence:
+        """Return the evidence of a phrase, which the model was shown as `text`."""
         card = self._card
         finding = find(evidence.heatmap, card.threshold, self._rule, evidence.boxes, card.edge)
         self.dropped_boxes += finding.dropped_boxes
@@ -109,8 +115,6 @@ class Grounder:
             boxes=boxes,
             heatmap=thumbnail(evidence.heatmap) if with_heatmap else None,
             unknown_words=list(
-                dict.fromkeys(
-                    [*unknown_words(phrase, self._card.vocabulary), *evidence.unknown_words]
-                )
+                dict.fromkeys([*unknown_words(text, card.vocabulary), *evidence.unknown_words])
             ),
         )

@@ -72,6 +72,41 @@ def check_template(template: str) -> str:
     return template
 
 
+_SPELT_OTHERWISE = {"gray": "grey", "grey": "gray"}
+"""Words that people spell in two ways"""
+
+
+def spelt_as_known(phrase: str, vocabulary: Iterable[str] | None) -> str:
+    """Return a phrase with words in a known spelling, where they have one.
+
+    "E-mails" are emails, a "cereal-box" is a cereal box, "gray" is grey, "mugs" are each a mug. A
+    word that is known, or in no spelling known, stays as it is; so do all where the vocabulary is
+    not known.
+
+    Args:
+        phrase: As `normalised` returns it.
+        vocabulary: Words of the training.
+    """
+    if vocabulary is None:
+        return phrase
+    known = FUNCTION_WORDS.union(vocabulary)
+    return " ".join(_spelt_as_known(word, known) for word in phrase.split(" "))
+
+
+def _spelt_as_known(word: str, known: frozenset[str]) -> str:
+    joined = word.replace("-", "")
+    spellings = (
+        word,
+        _SPELT_OTHERWISE.get(word, word),
+        joined,
+        word.replace("-", " "),
+        *(joined.removesuffix(ending) for ending in ("s", "es")),
+        f"{joined}s",
+    )
+    fitting = (one for one in spellings if known.issuperset(one.split(" ")))
+    return next(fitting, word)
+
+
 def unknown_words(phrase: str, vocabulary: Iterable[str] | None) -> list[str]:
     """Return the words of a phrase that no training phrase contained, in their order, once each.
 

@@ -101,7 +101,7 @@ class Answering:
             objects=objects,
             pixels_per_cm=question.px_per_cm,
         )
-        point = clip(*place, SIZE)
+        point = clip(place.u, place.v, SIZE)
         return {"point": [point.u, point.v], "clipped": point.clipped}
 
     def _correct(self, question: Correct) -> Answer:

@@ -3,7 +3,16 @@
 import pytest
 
 from w2c.messages import Box
-from w2c_dialogue.beside import FOOT, NEEDED_CM, USUAL, at_its_foot, near_enough
+from w2c_dialogue.beside import (
+    FOOT,
+    INSIDE,
+    LEAST_LEFT,
+    NEEDED_CM,
+    USUAL,
+    Described,
+    at_its_foot,
+    near_enough,
+)
 from w2c_dialogue.expressions import ImagePoint
 from w2c_dialogue.prompts.base import SceneObject
 
@@ -55,7 +64,7 @@ ACROSS, ALONG = NEEDED_CM[0] * PX_PER_CM, NEEDED_CM[1] * PX_PER_CM
 def test_where_no_length_is_said_a_place_is_as_near_as_a_hand_needs(
     place: tuple[float, float], near: tuple[float, float]
 ) -> None:
-    assert near_enough(place, [LARGE], PX_PER_CM) == pytest.approx(near)
+    assert near_enough(Described(*place), [LARGE], PX_PER_CM) == pytest.approx(near)
 
 
 @pytest.mark.parametrize(
@@ -71,4 +80,26 @@ def test_where_no_length_is_said_a_place_is_as_near_as_a_hand_needs(
 def test_every_other_distance_stays(
     place: tuple[float, float], objects: list[SceneObject], pixels_per_cm: float
 ) -> None:
-    assert near_enough(place, objects, pixels_per_cm) == place
+    assert near_enough(Described(*place), objects, pixels_per_cm) == place
+
+
+STANDS = INSIDE * 300.0
+"""Inside of the outline of the crate [px]"""
+
+
+@pytest.mark.parametrize(
+    ("place", "u"),
+    [
+        pytest.param(Described(300.0, 350.0, -100.0), 300.0 + STANDS, id="25 cm left"),
+        pytest.param(Described(900.0, 350.0, 100.0), 900.0 - STANDS, id="25 cm right"),
+        pytest.param(Described(380.0, 350.0, -20.0), 400.0 - LEAST_LEFT * 20.0, id="5 cm left"),
+        pytest.param(Described(300.0, 500.0, -100.0), 300.0, id="at a height of its own"),
+        pytest.param(Described(500.0, 350.0, -100.0), 500.0, id="from its middle"),
+        pytest.param(Described(500.0, 350.0, 100.0), 500.0, id="from its left edge, on it"),
+    ],
+)
+def test_a_distance_that_is_said_is_one_from_where_a_thing_stands(
+    place: Described, u: float
+) -> None:
+    assert near_enough(place, [LARGE], PX_PER_CM) == pytest.approx((u, place.v))
+    assert near_enough(place, [LARGE, MUG], PX_PER_CM) == (place.u, place.v)

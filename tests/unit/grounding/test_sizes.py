@@ -24,7 +24,7 @@ def heat(*squares: tuple[int, int, int, float]) -> Heatmap:
 
 
 SMALLER = (10, 10, 20, 0.95)
-LARGER = (100, 100, 60, 0.7)
+LARGER = (100, 100, 60, 0.85)
 
 
 @pytest.mark.parametrize(
@@ -114,6 +114,7 @@ def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
         pytest.param((), id="nothing"),
         pytest.param(((2, 100, 99, 0.9), (101, 100, 99, 0.9)), id="two alike"),
         pytest.param((LARGER, (10, 10, 20, 0.3)), id="the other far below the threshold"),
+        pytest.param((LARGER, (10, 10, 20, 0.7)), id="the other less sure"),
         pytest.param(((10, 10, 40, 0.4), (100, 100, 60, 0.4)), id="none that fits"),
         pytest.param(((10, 10, 40, 0.9), (100, 100, 4, 0.9)), id="a stain"),
         pytest.param(((10, 10, 90, 0.9), (120, 120, 12, 0.9)), id="a piece"),
@@ -126,7 +127,8 @@ def test_where_sizes_tell_nothing_all_stays(squares: tuple[tuple[int, int, int, 
 
 @pytest.mark.parametrize("threshold", [0.5, 0.507, 0.51, 0.53])
 def test_beside_one_that_fits_another_may_be_less_sure(threshold: float) -> None:
-    evidence = compared(Evidence(heat(LARGER, (10, 10, 20, 0.4))), threshold, large=False)
+    large = (100, 100, 60, 0.55)
+    evidence = compared(Evidence(heat(large, (10, 10, 20, 0.48))), threshold, large=False)
     (region,) = find(evidence.heatmap, threshold).regions
     assert (region.left, region.top) == (10, 10)
 
@@ -178,8 +180,8 @@ def test_a_name_is_asked_for_whole() -> None:
 
 
 def test_what_is_less_sure_is_not_smaller_for_that() -> None:
-    sure, unsure = heat((10, 70, 40, 0.95)), heat((100, 70, 30, 0.5))
-    rim = heat((90, 60, 50, 0.2))
+    sure, unsure = heat((10, 70, 40, 0.95)), heat((100, 70, 30, 0.85))
+    rim = heat((90, 60, 50, 0.27))
     heatmap = np.maximum(np.maximum(sure, unsure), rim)
     chosen = compared(Evidence(heatmap), THRESHOLD, large=True, edge=0.3)
     assert peak_point(chosen.heatmap)[0] > 90

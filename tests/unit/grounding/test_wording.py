@@ -5,7 +5,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from w2c.errors import ConfigError, RefusedError
-from w2c_grounding.wording import check_template, fill, normalised, unknown_words, words
+from w2c_grounding.wording import (
+    check_template,
+    fill,
+    normalised,
+    spelt_as_known,
+    unknown_words,
+    words,
+)
 
 
 def test_a_phrase_is_read_in_lower_case_without_punctuation() -> None:
@@ -51,6 +58,35 @@ def test_unknown_words_come_in_their_order_once_each() -> None:
 
 def test_without_a_vocabulary_no_word_is_called_unknown() -> None:
     assert unknown_words("flurb", None) == []
+
+
+KNOWN = ["emails", "cereal", "box", "mug", "grey", "washing-up", "glass"]
+
+
+@pytest.mark.parametrize(
+    ("phrase", "spelt"),
+    [
+        ("e-mails", "emails"),
+        ("e-mail", "emails"),
+        ("gray cereal-box", "grey cereal box"),
+        ("mugs", "mug"),
+        ("boxes on the washing-up", "box on the washing-up"),
+        ("grey glass", "grey glass"),
+        ("flurbs of a cereal-flurb", "flurbs of a cereal-flurb"),
+        ("s es", "s es"),
+    ],
+)
+def test_a_word_in_another_spelling_is_known(phrase: str, spelt: str) -> None:
+    assert spelt_as_known(phrase, KNOWN) == spelt
+    assert spelt_as_known(phrase, None) == phrase
+
+
+@given(st.text(alphabet="abegmrsuxy-' ").filter(words))
+def test_another_spelling_makes_words_known_and_none_unknown(text: str) -> None:
+    phrase = normalised(text)
+    spelt = spelt_as_known(phrase, KNOWN)
+    assert spelt_as_known(spelt, KNOWN) == spelt
+    assert set(unknown_words(spelt, KNOWN)) <= set(unknown_words(phrase, KNOWN))
 
 
 def test_a_template_has_one_place_for_the_phrase() -> None:
