@@ -40,6 +40,8 @@ class Plan:
     save_s: float = 280.0
     """Between checkpoints and looks at kept pictures"""
     report_s: float = 60.0
+    words_only: bool = False
+    """Whether what sees pictures stays as it is, and only what is said of them is learned"""
     bf16: bool = False
     """Whether products are in bfloat16"""
 

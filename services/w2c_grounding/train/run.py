@@ -8,6 +8,7 @@ from typing import Any, Literal
 import torch
 
 from w2c.clock import Clock
+from w2c.errors import ConfigError
 from w2c_grounding.beside import carried
 from w2c_grounding.card import ModelCard, read_card
 from w2c_grounding.outline import weights as outline_weights
@@ -46,6 +47,7 @@ class Task:
     rate: float | None = None
     begin_with: Path | None = None
     side: int | None = None
+    words_only: bool = False
     resume: bool = False
     name: str = "w2c-clipseg-9"
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
@@ -96,6 +98,7 @@ class Run:
             "seed": str(task.seed),
             "begin_with": str(task.begin_with or ""),
             "size": str(size),
+            "words_only": str(task.words_only),
         }
         if task.resume:
             trainer.restore(read_state(self._state, identity))
@@ -128,9 +131,18 @@ class Run:
         return scores
 
     def _begin_with(self) -> tuple[Any, Any, Size, ModelCard]:
-        """Return model, processor, size and card of --from; without it no model."""
+        """Return model, processor, size and card of --from; without it no model.
+
+        Raises:
+            ConfigError: the checkpoint is none, or is needed.
+        """
         source = self._task.begin_with
         if source is None:
+            if self._task.words_only:
+                raise ConfigError(
+                    "--words-only leaves what sees pictures as it is, and without --from nothing "
+                    "sees any: name a checkpoint that does"
+                )
             size = self._task.size
             size = resized(size, self._task.side or size.image)
             return None, None, size, ModelCard(name=self._task.name)
@@ -149,6 +161,7 @@ class Run:
             steps=task.steps,
             seed=task.seed,
             rate=task.rate or usual,
+            words_only=task.words_only,
             bf16=bf16,
         )
 

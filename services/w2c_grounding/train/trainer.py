@@ -56,8 +56,11 @@ class Trainer(TrainingLoop):
         self._batches = Batches(pictures, size, plan, Asker(pictures.truths))
         self._classes = Classes(pictures.truths)
         self._head = self._classes.head(size.width)
+        # Without gradients no step of it is kept for going back: that is half of the time.
+        model.clip.vision_model.requires_grad_(not plan.words_only)
+        named = [*model.named_parameters(), *self._head.named_parameters()]
         self._optimizer = Optimizer(
-            [*model.named_parameters(), *self._head.named_parameters()],
+            [(name, weight) for name, weight in named if weight.requires_grad],
             plan.weight_decay,
             bf16=plan.bf16,
         )
@@ -129,6 +132,8 @@ class Trainer(TrainingLoop):
         asked = _mask_loss(
             logits.float(), batch.owners[:, row::2, column::2], batch.questions, LEAST_AREA
         )
+        if self._plan.words_only:
+            return asked
         dense = self._classes.loss(patches.float(), batch.owners, batch.truths, self._size.patch)
         share = 1.0 - self.progress.fraction(self._plan) * 2.0 / 3.0
         return asked + PATCH_WEIGHT * share * dense

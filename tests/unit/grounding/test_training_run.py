@@ -18,6 +18,7 @@ from w2c_grounding.card import read_card, write_card
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import load
 from w2c_grounding.train.commands import train
+from w2c_grounding.train.model import read
 from w2c_grounding.train.plan import Plan
 from w2c_grounding.train.run import Run, Task
 from w2c_grounding.train.score import Trial, calibrate, score_model, summarise
@@ -92,6 +93,25 @@ def test_weights_can_be_begun_with(task: Task, trained: dict[str, float], tmp_pa
     before, after = weights(task), weights(begun)
     change = max(float((before[name] - after[name]).abs().max()) for name in before)
     assert 0.0 < change < 0.02
+
+
+def test_of_words_alone_what_sees_pictures_learns_nothing(
+    task: Task, trained: dict[str, float], tmp_path: Path
+) -> None:
+    begun = replace(
+        task, out=tmp_path, begin_with=task.out / "checkpoint", steps=2, words_only=True
+    )
+    assert Run(begun, StepClock(), lambda _: None)() is not None
+    before, after = read(task.out / "checkpoint")[0].state_dict(), weights(begun)
+    changed = {name for name in before if not torch.equal(before[name], after[name])}
+    assert not any("vision_model" in name for name in changed)
+    assert any("text_model" in name for name in changed)
+    assert any(name.startswith("decoder") for name in changed)
+
+
+def test_words_alone_need_a_checkpoint_that_sees(task: Task, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="--from"):
+        Run(replace(task, out=tmp_path, words_only=True), StepClock(), lambda _: None)()
 
 
 def test_what_was_known_before_stays_known(
