@@ -101,7 +101,6 @@ def _spelt_as_known(word: str, known: frozenset[str]) -> str:
         joined,
         word.replace("-", " "),
         *(joined.removesuffix(ending) for ending in ("s", "es")),
-        f"{joined}s",
     )
     fitting = (one for one in spellings if known.issuperset(one.split(" ")))
     return next(fitting, word)

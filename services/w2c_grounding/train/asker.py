@@ -23,7 +23,8 @@ from w2c_grounding.train.uses import EVERY_USE
 FRAMES = ("{}", "{}", "{}", "the {}", "the {}", "a {}", "my {}", "that {}")
 """Ways to say a phrase; most often it comes bare, as the dialogue's analyzer extracts it."""
 
-# Things that no scene holds: what the model must learn to have never seen. Not in the vocabulary.
+# Things that no scene holds: what the model must learn to have never seen. Not in the vocabulary,
+# also where phrases of use have them: a flame that means a pan would be vetoed.
 # Kinds that are kept for judging are not among them.
 FOREIGN = (
     "chair", "door", "person", "dog", "cat", "phone", "screen", "monitor", "pillow", "sofa",
@@ -33,6 +34,7 @@ FOREIGN = (
     "broom", "ladder", "rope", "candle", "camera", "radio", "speaker", "remote control",
     "umbrella", "toothbrush", "drawer", "handrail", "socket", "toaster", "vacuum cleaner", "tablet",
     "bed", "carpet", "bench", "violin", "skateboard", "balloon", "suitcase", "tent", "drum",
+    "flame", "face", "child",
 )  # fmt: skip
 
 SHARES: dict[PhraseKind, float] = {

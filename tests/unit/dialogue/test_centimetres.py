@@ -6,6 +6,7 @@ import pytest
 from support.conversing import CUP, FIRST, World, first_words
 from w2c.errors import RefusedError, UnavailableError, W2CError
 from w2c.messages import CameraView
+from w2c_dialogue.beside import INSIDE
 from w2c_dialogue.frames import DEFAULT_PIXELS_PER_CM
 
 TEXT = "Lean 12 cm left of the cup"
@@ -36,7 +37,8 @@ def add_view(world: World) -> None:
 def centimetre_of(world: World) -> float:
     target = world.say(TEXT).target
     assert target is not None
-    return (CUP[0] - target.u) / 12.0
+    stands = CUP[0] + INSIDE * min(CUP[2] - CUP[0], CUP[3] - CUP[1])
+    return (stands - target.u) / 12.0
 
 
 def test_a_centimetre_is_as_long_as_the_depth_of_the_thing_says() -> None:

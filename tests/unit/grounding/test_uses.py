@@ -5,7 +5,9 @@ from pathlib import Path
 
 import msgspec
 
+from w2c_dialogue.advice.wordlist import VETOED
 from w2c_grounding.train import uses
+from w2c_grounding.train.asker import FOREIGN
 from w2c_grounding.train.uses import EVERY_USE, fitting_kinds, possible_kinds, uses_of
 from w2c_sim_robot.scenes.held_out import HELD_OUT_KINDS
 from w2c_sim_robot.scenes.objects.catalogue import KINDS
@@ -26,3 +28,7 @@ def test_a_use_is_written_once_and_a_kind_fits_or_may_fit() -> None:
     assert Counter(phrase for line in lines for phrase in line["phrases"]) == Counter(EVERY_USE)
     for line in lines:
         assert set(line["fits"]).isdisjoint(line["may_fit"])
+
+
+def test_what_is_never_touched_is_no_word_of_a_use() -> None:
+    assert {thing for thing in VETOED if " " not in thing} <= set(FOREIGN)
