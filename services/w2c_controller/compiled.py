@@ -46,9 +46,13 @@ def cache_root(package: Path) -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "words2contact"
 
 
-def remove_old(root: Path, digest: str) -> list[Path]:
-    """Remove the compiled code of other states of the sources. Returns what was removed."""
-    old = [path for path in root.glob(f"{PREFIX}*") if path.name != f"{PREFIX}{digest}"]
+def remove_old(current: Path) -> list[Path]:
+    """Remove the compiled code of other states of the sources. Returns what was removed.
+
+    Args:
+        current: Where that of this state is; that of others lies beside it.
+    """
+    old = [path for path in current.parent.glob(f"{PREFIX}*") if path != current]
     for path in old:
         shutil.rmtree(path, ignore_errors=True)
     return old

@@ -6,7 +6,6 @@ the controller's next start compiles them, before it commands anything.
 
 import sys
 import time
-from pathlib import Path
 
 from w2c.errors import W2CError
 from w2c.library import library
@@ -26,8 +25,7 @@ def main() -> int:
     except W2CError as error:
         _say(f"no description of a robot here ({error}); compiled at the first start")
         return 0
-    package = Path(compiled.__file__).parent
-    compiled.remove_old(compiled.cache_root(package), compiled.source_digest(package))
+    compiled.remove_old(compiled.CACHE)
     _say(f"the controller's arithmetic is compiled ({time.monotonic() - begin:.0f} s)")
     return 0
 

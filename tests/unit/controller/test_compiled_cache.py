@@ -44,7 +44,7 @@ def test_the_code_of_other_states_is_removed(tmp_path: Path) -> None:
     for name in ("compiled-old", "compiled-new", "other"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "code.nbc").write_bytes(b"\0")
-    assert compiled.remove_old(tmp_path, "new") == [tmp_path / "compiled-old"]
+    assert compiled.remove_old(tmp_path / "compiled-new") == [tmp_path / "compiled-old"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["compiled-new", "other"]
 
 
