@@ -48,7 +48,7 @@ class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     half of the time a step. For new names and phrases of what it tells apart already."""
     resume: bool = False
     """Go on from OUT/state.pt."""
-    name: str = "w2c-clipseg-9"
+    name: str = "w2c-clipseg-10"
     """Of the model, in its card and its replies."""
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     """Of products; auto = bfloat16 where the processor has it."""

@@ -49,7 +49,7 @@ class Task:
     side: int | None = None
     words_only: bool = False
     resume: bool = False
-    name: str = "w2c-clipseg-9"
+    name: str = "w2c-clipseg-10"
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     size: Size = field(default_factory=Size)
     plan: Plan = field(default_factory=Plan)
