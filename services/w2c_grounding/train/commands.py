@@ -10,6 +10,7 @@ import tyro
 from w2c.config import fail, parse
 from w2c.errors import W2CError
 from w2c.extras import needs_extra
+from w2c_grounding.train.plan import NAME
 
 PROGRAM = "w2c train grounding"
 STOPPED = 1
@@ -48,7 +49,7 @@ class TrainConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     half of the time a step. For new names and phrases of what it tells apart already."""
     resume: bool = False
     """Go on from OUT/state.pt."""
-    name: str = "w2c-clipseg-10"
+    name: str = NAME
     """Of the model, in its card and its replies."""
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     """Of products; auto = bfloat16 where the processor has it."""

@@ -4,6 +4,9 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+NAME = "w2c-clipseg-10"
+"""Of what is trained, where nobody gives it another"""
+
 _CPU_FLAGS = Path("/proc/cpuinfo")
 _BF16_FLAGS = {"avx512_bf16", "amx_bf16", "bf16"}
 """Of processors that multiply bfloat16; elsewhere it takes nearly three times as long as float32"""

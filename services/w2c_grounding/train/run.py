@@ -20,7 +20,7 @@ from w2c_grounding.train.growth import resized, with_side, with_words
 from w2c_grounding.train.measure import apart, measured, write_scores
 from w2c_grounding.train.model import Size, new_model, new_processor, read, save
 from w2c_grounding.train.pictures import Pictures, digest, open_pictures
-from w2c_grounding.train.plan import Plan, has_bf16
+from w2c_grounding.train.plan import NAME, Plan, has_bf16
 from w2c_grounding.train.start import start_tower
 from w2c_grounding.train.trainer import Trainer, read_state, save_state
 from w2c_grounding.train.vocabulary import names_of_size, tokenizer_words, vocabulary_of
@@ -49,7 +49,7 @@ class Task:
     side: int | None = None
     words_only: bool = False
     resume: bool = False
-    name: str = "w2c-clipseg-10"
+    name: str = NAME
     precision: Literal["auto", "float32", "bfloat16"] = "auto"
     size: Size = field(default_factory=Size)
     plan: Plan = field(default_factory=Plan)

@@ -6,6 +6,8 @@ from pathlib import Path
 import msgspec
 
 from w2c_dialogue.advice.wordlist import VETOED
+from w2c_grounding.card import read_card
+from w2c_grounding.registry import EMBEDDED
 from w2c_grounding.train import uses
 from w2c_grounding.train.asker import FOREIGN
 from w2c_grounding.train.uses import EVERY_USE, fitting_kinds, possible_kinds, uses_of
@@ -32,3 +34,9 @@ def test_a_use_is_written_once_and_a_kind_fits_or_may_fit() -> None:
 
 def test_what_is_never_touched_is_no_word_of_a_use() -> None:
     assert {thing for thing in VETOED if " " not in thing} <= set(FOREIGN)
+
+
+def test_the_shipped_model_knows_no_word_of_what_is_never_touched() -> None:
+    vocabulary = read_card(EMBEDDED, "embedded").vocabulary
+    assert vocabulary is not None and "coffee" in vocabulary
+    assert set(VETOED).isdisjoint(vocabulary)
