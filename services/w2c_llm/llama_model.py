@@ -29,6 +29,16 @@ def _forward_log(level: int, text: bytes, _: object) -> None:
         _LOG.log(_LEVELS.get(level, logging.DEBUG), "%s", line)
 
 
+def is_built_for_amx() -> bool:
+    """Tell whether llama.cpp would multiply with AMX here.
+
+    Such builds end the process with a segmentation fault: compilers drop the tiles' configuration,
+    which ggml writes to the stack (llama.cpp issue 20824; seen with GCC 12). `deploy/setup.sh`
+    builds without; a wheel from elsewhere may not be.
+    """
+    return b"AMX_INT8 = 1" in llama_cpp.llama_print_system_info()
+
+
 class LlamaModel:
     """Owns the weights of one model. Not thread-safe: one thread uses it."""
 
@@ -45,6 +55,8 @@ class LlamaModel:
         llama_cpp.llama_backend_init()
         parameters = llama_cpp.llama_model_default_params()
         parameters.n_gpu_layers = 0x7FFFFFFF if gpu_layers < 0 else gpu_layers
+        # In its own buffers for AMX the first product would end the process.
+        parameters.use_extra_bufts = not is_built_for_amx()
         self.handle = llama_cpp.llama_model_load_from_file(str(path).encode(), parameters)
         if not self.handle:
             raise ModelError(f"llama.cpp cannot load {path}; is it a GGUF file, and whole?")

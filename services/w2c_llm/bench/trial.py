@@ -16,12 +16,14 @@ import numpy as np
 from llama_cpp.llama_grammar import LlamaGrammar
 
 from w2c.clock import RealClock
+from w2c.errors import ConfigError
 from w2c.messages import ChatMessage, CompleteRequest
 from w2c_llm.answering import complete
 from w2c_llm.backend import Budget
 from w2c_llm.bench.questions import KINDS, Kind, prefix_of, question, utterances
 from w2c_llm.gbnf import grammar_of
 from w2c_llm.llama_cpp_backend import LlamaCppBackend
+from w2c_llm.llama_model import is_built_for_amx
 from w2c_llm.schema import check_schema
 
 Clock = Callable[[], float]
@@ -67,6 +69,12 @@ class PlainModel:
     """llama-cpp-python's high-level interface."""
 
     def __init__(self, path: Path, threads: int) -> None:
+        """Load a file. Raises ConfigError where plain calls would end the process."""
+        if is_built_for_amx():
+            raise ConfigError(
+                "this llama.cpp was built for AMX, with which plain calls end the process; "
+                "remove .wheels and .venv and run `make setup`, which builds it without"
+            )
         self._llama = llama_cpp.Llama(
             str(path),
             n_ctx=PLAIN_CONTEXT,
