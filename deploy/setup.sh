@@ -59,9 +59,10 @@ case ",$EXTRAS," in
     if ! ls .wheels/llama_cpp_python-"$LLAMA_WHEEL_VERSION"-*.whl >/dev/null 2>&1; then
         say "building llama-cpp-python $LLAMA_WHEEL_VERSION (4 minutes on two cores, once)"
         mkdir -p .wheels
-        # Its products with AMX end the process (llama.cpp issue 20824): compiled as where there is none.
+        # Its products with AMX end the process (llama.cpp issue 20824): compiled as where there is none,
+        # and not taken from pip's cache, where one with them may lie.
         CFLAGS="-U__AMX_INT8__ ${CFLAGS:-}" CXXFLAGS="-U__AMX_INT8__ ${CXXFLAGS:-}" \
-            CMAKE_ARGS="-DLLAVA_BUILD=OFF ${CMAKE_ARGS:-}" pip wheel -q --no-deps -w .wheels "llama-cpp-python==$LLAMA_WHEEL_VERSION"
+            CMAKE_ARGS="-DLLAVA_BUILD=OFF ${CMAKE_ARGS:-}" pip wheel -q --no-cache-dir --no-deps -w .wheels "llama-cpp-python==$LLAMA_WHEEL_VERSION"
     fi
     ;;
 esac
