@@ -15,6 +15,7 @@ from w2c_grounding.evidence import heatmap_from_logits
 from w2c_grounding.family import Evidence, RgbImage
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.pretrained import Remembered, load_model, load_processor
+from w2c_grounding.tiles import with_tiles
 from w2c_grounding.wording import fill
 
 
@@ -55,6 +56,7 @@ class ClipSeg:
         """
         processor = load_processor(CLIPSegProcessor, config, source, backend="pil")
         model = load_model(CLIPSegForImageSegmentation, config, source)
+        model.decoder = with_tiles(model.decoder)
         return cls(model, processor, template, config.input_size)
 
     @torch.inference_mode()

@@ -1,6 +1,7 @@
 """Which regions of a heatmap are worth a look from near."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -28,18 +29,24 @@ def worth_a_look(heatmap: Heatmap, edge: float = REGION_FRACTION) -> tuple[Regio
     family is often sure of one alone.
     """
     level = edge * float(heatmap.max())
+    clear_from = max(level, FAINTEST)
     coarse = heatmap[::STEP, ::STEP]
+    least_area = LEAST_AREA * coarse.size
     lit = (coarse >= min(level, FAINTEST)).astype(np.uint8)
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(lit, connectivity=8)
     clear: list[Region] = []
     faint: list[Region] = []
     for label in range(1, len(statistics)):
         left, top, width, height, area = (int(value) for value in statistics[label])
-        piece = _Piece(heatmap, labels == label, (left, top, left + width, top + height))
+        window = _Window.around(left, top, width, height)
+        # Where nothing fits, a hundred pieces are lit, and none is warm enough to be cut out.
+        if window.of(heatmap).max() < (FAINTEST if area >= least_area else clear_from):
+            continue
+        piece = _Piece(heatmap, labels == label, window)
         hottest = float(piece.heat.max())
-        if hottest >= max(level, FAINTEST):
+        if hottest >= clear_from:
             clear += piece.regions(level / hottest)
-        elif hottest >= FAINTEST and area >= LEAST_AREA * coarse.size:
+        elif hottest >= FAINTEST and area >= least_area:
             faint += piece.regions(edge)[:1]
     return (*_hottest_first(clear), *_hottest_first(faint))[:MOST_REGIONS]
 
@@ -48,26 +55,51 @@ def _hottest_first(regions: Sequence[Region]) -> list[Region]:
     return sorted(regions, key=lambda region: -region.score)
 
 
+@dataclass(frozen=True)
+class _Window:
+    """A part of the picture that begins with every `STEP`-th row and column."""
+
+    rows: slice
+    columns: slice
+    """Both in every `STEP`-th pixel"""
+
+    @classmethod
+    def around(cls, left: int, top: int, width: int, height: int) -> "_Window":
+        """Return one more all around a box: its edge lies between two of those pixels."""
+        return cls(
+            slice(max(top - 1, 0), top + height + 1), slice(max(left - 1, 0), left + width + 1)
+        )
+
+    @property
+    def top(self) -> int:
+        """Return the first row [px]."""
+        return STEP * int(self.rows.start)
+
+    @property
+    def left(self) -> int:
+        """Return the first column [px]."""
+        return STEP * int(self.columns.start)
+
+    def of(self, heatmap: Heatmap) -> Heatmap:
+        """Return this part of a heatmap."""
+        return heatmap[self.top : STEP * self.rows.stop, self.left : STEP * self.columns.stop]
+
+
 class _Piece:
     """A connected piece of a heatmap, alone in its window."""
 
-    def __init__(
-        self, heatmap: Heatmap, cells: npt.NDArray[np.bool_], box: tuple[int, int, int, int]
-    ) -> None:
+    def __init__(self, heatmap: Heatmap, cells: npt.NDArray[np.bool_], window: _Window) -> None:
         """Cut it out.
 
         Args:
             heatmap: (height, width).
             cells: Which of every `STEP`-th pixel belong to it.
-            box: Of those: left, top, and exclusive right, bottom.
+            window: Around them.
         """
-        # One more all around: its edge lies between two of those pixels.
-        rows = slice(max(box[1] - 1, 0), box[3] + 1)
-        columns = slice(max(box[0] - 1, 0), box[2] + 1)
-        inside = cells[rows, columns]
+        inside = cells[window.rows, window.columns]
         wider = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8))
-        self._left, self._top = STEP * columns.start, STEP * rows.start
-        heat = heatmap[self._top : STEP * rows.stop, self._left : STEP * columns.stop]
+        self._left, self._top = window.left, window.top
+        heat = window.of(heatmap)
         self._inside = _grown(inside, heat.shape)
         self.heat: Heatmap = heat * _grown(wider, heat.shape)
 
