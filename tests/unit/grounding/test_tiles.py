@@ -1,6 +1,5 @@
 """Transposed convolutions as plain products: the same numbers, where their tiles do not overlap."""
 
-
 import pytest
 import torch
 from torch import nn
