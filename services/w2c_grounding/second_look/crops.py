@@ -8,10 +8,12 @@ import numpy as np
 from w2c_grounding.family import RgbImage
 
 PICTURE_WIDTH = 768
-"""Pictures are brought to it first [px]: those of the training had it, and a small thing must not
-look sharper than it did there"""
+"""Pictures are brought to it for a training [px]"""
 SIDE = 64
-"""Of what the network reads [px]"""
+"""Of what the network reads in a training [px]"""
+SHARP_WIDTH, SHARP_SIDE = 1280, 80
+"""The same where a trained network is asked: what a material looks like is seen better. Of 311
+twins 0.955 were told apart instead of 0.926, and fewer with smaller or larger squares"""
 MARGIN = 0.15
 """Around the longer side of a box, both ends together, as a share of it"""
 LEAST = 12.0

@@ -250,12 +250,20 @@ def test_a_picture_is_brought_to_the_width_of_the_training() -> None:
     assert seen.scale == scale
 
 
-def test_a_picture_that_is_looked_at_twice_from_near_is_scaled_once() -> None:
-    seen = LooksAgain(Lights(heat()), SecondLookNetwork(["bar"])).prepare(picture())
+def test_a_picture_that_a_family_has_scaled_is_not_scaled_again() -> None:
+    seen = seen_near(Lights(heat()), picture())
     twice = seen_near(Prepared(seen), picture())
     assert twice.context is seen
     assert twice.image is seen.image
     assert twice.scale == seen.scale
+
+
+def test_a_picture_of_another_width_is_scaled_anew() -> None:
+    seen = LooksAgain(Lights(heat()), SecondLookNetwork(["bar"])).prepare(picture())
+    twice = seen_near(Prepared(seen), picture())
+    small, scale = brought_to_width(picture())
+    assert np.array_equal(twice.image, small)
+    assert twice.scale == scale != seen.scale
 
 
 class Prepared:

@@ -14,7 +14,15 @@ from w2c_grounding.beside import carried
 from w2c_grounding.evidence import find, peak_point, regions_of
 from w2c_grounding.family import Evidence, Heatmap, RgbImage, ScoredBox
 from w2c_grounding.second_look import weights
-from w2c_grounding.second_look.crops import GREY, SIDE, brought_to_width, square_around
+from w2c_grounding.second_look.crops import (
+    GREY,
+    PICTURE_WIDTH,
+    SHARP_SIDE,
+    SHARP_WIDTH,
+    SIDE,
+    brought_to_width,
+    square_around,
+)
 from w2c_grounding.second_look.looks_again import LooksAgain
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork, said, with_words
 from w2c_grounding.second_look.regions import FAINTEST, worth_a_look
@@ -108,6 +116,21 @@ def test_a_word_that_it_does_not_know_leaves_the_heat_alone(phrase: str) -> None
 def test_a_family_with_boxes_of_its_own_is_left_alone() -> None:
     boxes = (ScoredBox(200.0, 60.0, 250.0, 110.0, 0.8),)
     assert peak_point(asked(["red mug"], LightsBoth(boxes))[0])[0] > 190
+
+
+def test_it_is_asked_about_larger_and_sharper_squares_than_it_was_trained_on() -> None:
+    shapes: list[tuple[int, ...]] = []
+
+    class Notes(KnowsRed):
+        def see(self, squares: torch.Tensor) -> torch.Tensor:
+            shapes.append(tuple(squares.shape))
+            return super().see(squares)
+
+    looks = LooksAgain(LightsBoth(), Notes(WORDS), edge=EDGE)
+    context = looks.prepare(MUGS)
+    looks.query(context, ["red mug"])
+    assert context.image.shape[1] == SHARP_WIDTH > PICTURE_WIDTH
+    assert shapes == [(2, 3, SHARP_SIDE, SHARP_SIDE)]
 
 
 def test_many_phrases_with_and_without_regions_keep_their_order() -> None:
