@@ -42,7 +42,7 @@ def worth_a_look(heatmap: Heatmap, edge: float = REGION_FRACTION) -> tuple[Regio
         # Where nothing fits, a hundred pieces are lit, and none is warm enough to be cut out.
         if window.of(heatmap).max() < (FAINTEST if area >= least_area else clear_from):
             continue
-        piece = _Piece(heatmap, labels == label, window)
+        piece = _Piece(heatmap, labels[window.rows, window.columns] == label, window)
         hottest = float(piece.heat.max())
         if hottest >= clear_from:
             clear += piece.regions(level / hottest)
@@ -88,15 +88,14 @@ class _Window:
 class _Piece:
     """A connected piece of a heatmap, alone in its window."""
 
-    def __init__(self, heatmap: Heatmap, cells: npt.NDArray[np.bool_], window: _Window) -> None:
+    def __init__(self, heatmap: Heatmap, inside: npt.NDArray[np.bool_], window: _Window) -> None:
         """Cut it out.
 
         Args:
             heatmap: (height, width).
-            cells: Which of every `STEP`-th pixel belong to it.
+            inside: Which of every `STEP`-th pixel of the window belong to it.
             window: Around them.
         """
-        inside = cells[window.rows, window.columns]
         wider = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8))
         self._left, self._top = window.left, window.top
         heat = window.of(heatmap)
