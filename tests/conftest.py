@@ -10,6 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+# How long an example takes says how busy the machine is, not whether the code is right.
+settings.register_profile("w2c", deadline=None)
+settings.load_profile("w2c")
 
 ROOT = Path(__file__).parents[1]
 REAL_TIME = "real_time"

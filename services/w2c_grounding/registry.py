@@ -169,9 +169,10 @@ def _looking_again(
 ) -> Family[Any]:
     """Return the family with its second look. Raises ModelError."""
     from w2c_grounding.second_look import weights
+    from w2c_grounding.second_look.folding import folded
     from w2c_grounding.second_look.looks_again import LooksAgain
 
-    return LooksAgain(family, weights.read(directory), device, card.edge)
+    return LooksAgain(family, folded(weights.read(directory)), device, card.edge)
 
 
 def _drawing_outlines(

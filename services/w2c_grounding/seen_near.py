@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Generic
 
 from w2c_grounding.family import ContextT, Family, RgbImage
-from w2c_grounding.second_look.crops import PICTURE_WIDTH, brought_to_width
+from w2c_grounding.second_look.crops import brought_to_width
 
 
 @dataclass(frozen=True)
@@ -18,13 +18,9 @@ class SeenNear(Generic[ContextT]):
     """Its pixels over those of the picture"""
 
 
-def seen_near(
-    family: Family[ContextT], image: RgbImage, width: int = PICTURE_WIDTH
-) -> SeenNear[ContextT]:
-    """Return both, the picture `width` wide [px]: a family may have it already."""
+def seen_near(family: Family[ContextT], image: RgbImage) -> SeenNear[ContextT]:
+    """Return both; a family may have the picture brought to its width already."""
     context = family.prepare(image)
-    if isinstance(context, SeenNear) and context.image.shape[1] == width:
-        small, scale = context.image, context.scale
-    else:
-        small, scale = brought_to_width(image, width)
-    return SeenNear(context, small, scale)
+    if isinstance(context, SeenNear):
+        return SeenNear(context, context.image, context.scale)
+    return SeenNear(context, *brought_to_width(image))

@@ -11,7 +11,7 @@ import torch
 from w2c_grounding.evidence import REGION_FRACTION, Region
 from w2c_grounding.family import ContextT, Evidence, Family, RgbImage
 from w2c_grounding.pretrained import Remembered
-from w2c_grounding.second_look.crops import SHARP_SIDE, SHARP_WIDTH, square_around
+from w2c_grounding.second_look.crops import square_around
 from w2c_grounding.second_look.network import SecondLookNetwork, said
 from w2c_grounding.second_look.regions import worth_a_look
 from w2c_grounding.second_look.weighing import weighed
@@ -44,7 +44,7 @@ class LooksAgain(Generic[ContextT]):
 
     def prepare(self, image: RgbImage) -> SeenNear[ContextT]:
         """Return what is kept of a picture."""
-        return seen_near(self.family, image, SHARP_WIDTH)
+        return seen_near(self.family, image)
 
     def query(self, context: SeenNear[ContextT], phrases: Sequence[str]) -> list[Evidence]:
         """Return the evidence for each phrase."""
@@ -81,7 +81,6 @@ class LooksAgain(Generic[ContextT]):
             square_around(
                 context.image,
                 [context.scale * side for side in (one.left, one.top, one.right, one.bottom)],
-                SHARP_SIDE,
             )
             for mine in regions
             for one in mine

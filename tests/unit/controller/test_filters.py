@@ -22,7 +22,7 @@ def test_low_pass_halves_power_at_its_cutoff() -> None:
     assert gain == pytest.approx(1 / np.sqrt(2), abs=0.01)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(-0.5, 0.5), st.floats(-0.2, 0.2))
 def test_bang_bang_arrives_within_its_limits_without_overshoot(start: float, speed: float) -> None:
     position, moving = start, speed if start * speed < 0.0 else 0.0

@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from w2c.geometry import Matrix, Vector
@@ -35,7 +35,6 @@ def settle(gaze: Gaze, rotation: Matrix, position: Vector, *, leaning: bool = Fa
     return gaze.angles
 
 
-@settings(deadline=None)
 @given(st.floats(-0.2, 0.7), st.floats(-1.0, 1.0))
 def test_the_angles_of_a_direction_look_along_it(tilt: float, pan: float) -> None:
     direction = axis(np.array([tilt, pan]))

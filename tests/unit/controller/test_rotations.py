@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from w2c.messages import Array
@@ -12,7 +12,6 @@ from w2c_controller.kinematics.rotations import rotation_between, rotation_vecto
 number = st.floats(-1.0, 1.0)
 
 
-@settings(deadline=None)
 @given(st.tuples(number, number, number), st.floats(0.0, np.pi - 1e-6))
 def test_log_and_exp_are_inverse_and_those_of_pinocchio(
     axis: tuple[float, float, float], angle: float
@@ -34,7 +33,6 @@ def test_half_a_turn_has_its_axis(axis: Array) -> None:
     np.testing.assert_allclose(np.abs(back @ axis), np.pi, atol=1e-9)
 
 
-@settings(deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_the_turn_between_two_rotations_leads_from_one_to_the_other(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -112,7 +112,7 @@ boxes = st.lists(
 )
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(boxes=boxes, x=st.floats(0.45, 0.9), y=st.floats(-0.7, 0.0), reach=st.booleans())
 def test_a_way_clears_everything_by_five_centimetres_or_is_refused(
     boxes: list[tuple[float, float, float, float, float]], x: float, y: float, reach: bool
@@ -129,7 +129,7 @@ def test_a_way_clears_everything_by_five_centimetres_or_is_refused(
     assert min(distances(path.legs[0], field, goal)) >= 0.0
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(boxes=boxes)
 def test_a_way_back_clears_everything_or_its_goal_is_refused(
     boxes: list[tuple[float, float, float, float, float]],

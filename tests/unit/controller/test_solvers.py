@@ -82,7 +82,7 @@ def convex_programs(draw: st.DrawFn) -> Program:
     return program
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(convex_programs())
 def test_the_solvers_agree_and_the_optimum_has_multipliers(program: Program) -> None:
     expected = DaqpSolver().solve(program)
@@ -94,7 +94,7 @@ def test_the_solvers_agree_and_the_optimum_has_multipliers(program: Program) -> 
     assert warm.iterations == 1
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(convex_programs(), st.integers(0, 2**32 - 1))
 def test_a_wrong_first_set_is_swapped_or_left_to_the_next_solver(
     program: Program, seed: int

@@ -44,7 +44,7 @@ codes = st.integers(0, 2**32 - 1).map(
 )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     cells=codes, count=st.integers(1, 8), corner=st.tuples(st.integers(0, 99), st.integers(0, 99))
 )

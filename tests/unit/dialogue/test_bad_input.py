@@ -144,7 +144,7 @@ _POINTS = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 @given(
     text=st.text(max_size=60),
     module=st.sampled_from(["prediction", "correction", "confirmation", "stop", ""]),

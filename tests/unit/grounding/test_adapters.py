@@ -33,7 +33,7 @@ def whole_boxes(draw: st.DrawFn) -> ScoredBox:
     return ScoredBox(left, top, right, bottom, draw(scores))
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(whole_boxes())
 def test_the_region_of_a_box_is_the_box_and_its_peak_the_score(box: ScoredBox) -> None:
     heat = heatmap_from_boxes([box], WIDTH, HEIGHT)
@@ -44,7 +44,7 @@ def test_the_region_of_a_box_is_the_box_and_its_peak_the_score(box: ScoredBox) -
     assert heat[heat > 0].min() >= RIM * box.score - 1e-6
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(whole_boxes())
 def test_the_peak_of_a_box_is_its_centre(box: ScoredBox) -> None:
     u, v = peak_point(heatmap_from_boxes([box], WIDTH, HEIGHT))
@@ -52,7 +52,7 @@ def test_the_peak_of_a_box_is_its_centre(box: ScoredBox) -> None:
     assert (u, v) == pytest.approx(centre, abs=0.5)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(whole_boxes(), whole_boxes())
 def test_where_two_boxes_overlap_the_more_certain_one_counts(
     first: ScoredBox, second: ScoredBox
@@ -62,7 +62,7 @@ def test_where_two_boxes_overlap_the_more_certain_one_counts(
     np.testing.assert_array_equal(both, np.maximum(*alone))
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(whole_boxes())
 def test_a_mask_gives_its_region_and_its_box(box: ScoredBox) -> None:
     mask = np.zeros((HEIGHT, WIDTH), dtype=bool)
@@ -88,7 +88,7 @@ def test_a_soft_mask_keeps_its_probabilities() -> None:
     np.testing.assert_allclose(heat, [[0.0, 0.5], [0.0, 0.5]])
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(whole_boxes())
 def test_a_polygon_gives_its_inside_to_a_pixel(box: ScoredBox) -> None:
     corners = [
@@ -111,7 +111,7 @@ def test_a_polygon_that_is_no_rectangle_is_filled_exactly_inside() -> None:
     assert (heat[depth < -0.75] == 0).all()
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.floats(0, WIDTH - 0.01), st.floats(0, HEIGHT - 0.01), scores, st.floats(0.1, 40))
 def test_the_peak_of_a_point_is_the_pixel_that_holds_it(
     u: float, v: float, score: float, radius: float
@@ -143,7 +143,7 @@ Maker = Callable[[list[float]], Heatmap]
         ),
     ],
 )
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.lists(anything, min_size=7, max_size=7))
 def test_whatever_a_model_answers_heat_is_a_probability(make: Maker, numbers: list[float]) -> None:
     heat = make(numbers)

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -34,7 +34,6 @@ def disc(u: float, v: float, radius: float, height: int = 60, width: int = 100) 
     return np.where(inside, 0.9, 0.05).astype(np.float32)
 
 
-@settings(deadline=None)
 @given(heatmaps, st.floats(0.05, 0.95))
 def test_the_point_lies_in_the_best_region_whatever_the_heatmap(
     heat: Heat, threshold: float
@@ -51,7 +50,6 @@ def test_the_point_lies_in_the_best_region_whatever_the_heatmap(
     assert best.mask[int(v) - best.top, int(u) - best.left]
 
 
-@settings(deadline=None)
 @given(heatmaps, st.sampled_from((REGION_FRACTION, 0.3, 0.9)))
 def test_regions_cover_exactly_the_hot_pixels_and_boxes_are_tight(heat: Heat, edge: float) -> None:
     covered = np.zeros(heat.shape, dtype=bool)
@@ -65,7 +63,6 @@ def test_regions_cover_exactly_the_hot_pixels_and_boxes_are_tight(heat: Heat, ed
     assert (covered == (heat >= edge * heat.max())).all()
 
 
-@settings(deadline=None)
 @given(heatmaps)
 def test_the_best_region_comes_first_and_holds_the_peak(heat: Heat) -> None:
     scores = [region.score for region in regions_of(heat, 0.0)]
@@ -73,7 +70,6 @@ def test_the_best_region_comes_first_and_holds_the_peak(heat: Heat) -> None:
     assert scores[0] == pytest.approx(float(heat.max()))
 
 
-@settings(deadline=None)
 @given(heatmaps)
 def test_the_peak_point_is_the_centre_of_the_hottest_pixel(heat: Heat) -> None:
     u, v = peak_point(heat)

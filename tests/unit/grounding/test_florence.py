@@ -221,7 +221,7 @@ LOCATION = st.builds(Location, st.integers(0, BINS - 1), st.floats(0.0, 1.0))
 
 
 @given(st.lists(st.tuples(LOCATION, LOCATION, LOCATION, LOCATION), max_size=6), st.booleans())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_every_whole_box_that_is_written_is_read(
     boxes: list[tuple[Location, ...]], words_between: bool
 ) -> None:
@@ -237,7 +237,7 @@ def test_every_whole_box_that_is_written_is_read(
 
 
 @given(st.lists(st.lists(LOCATION, max_size=9), max_size=5))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_polygons_are_separated_and_have_three_corners(runs: list[list[Location]]) -> None:
     tokens: list[Location | None] = []
     for run in runs:

@@ -18,8 +18,6 @@ from w2c_grounding.outline.network import LAYERS, SIDE, OutlineNetwork
 from w2c_grounding.outline.redraw import redrawn
 from w2c_grounding.outline.window import LARGEST, Window, fits, layers, window_around
 from w2c_grounding.second_look.crops import brought_to_width
-from w2c_grounding.second_look.looks_again import LooksAgain
-from w2c_grounding.second_look.network import SecondLookNetwork
 from w2c_grounding.seen_near import SeenNear, seen_near
 
 EDGE = 0.3
@@ -256,14 +254,6 @@ def test_a_picture_that_a_family_has_scaled_is_not_scaled_again() -> None:
     assert twice.context is seen
     assert twice.image is seen.image
     assert twice.scale == seen.scale
-
-
-def test_a_picture_of_another_width_is_scaled_anew() -> None:
-    seen = LooksAgain(Lights(heat()), SecondLookNetwork(["bar"])).prepare(picture())
-    twice = seen_near(Prepared(seen), picture())
-    small, scale = brought_to_width(picture())
-    assert np.array_equal(twice.image, small)
-    assert twice.scale == scale != seen.scale
 
 
 class Prepared:

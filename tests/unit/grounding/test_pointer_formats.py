@@ -86,7 +86,7 @@ def prose(places: list[Numbers]) -> str:
     ],
 )
 @given(points=POINTS)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_points_are_read_as_they_were_written(
     name: str, write: Callable[[list[Numbers]], str], points: list[Numbers]
 ) -> None:
@@ -105,7 +105,7 @@ def test_points_are_read_as_they_were_written(
     ],
 )
 @given(boxes=BOXES)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_boxes_are_read_as_they_were_written(
     name: str, write: Callable[[list[Numbers]], str], boxes: list[Numbers]
 ) -> None:
@@ -114,7 +114,7 @@ def test_boxes_are_read_as_they_were_written(
 
 
 @given(points=WHOLE)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_formats_that_fix_order_and_scale_say_so(points: list[tuple[int, int]]) -> None:
     expected: list[Numbers] = [(float(x), float(y)) for x, y in points]
     for name, text, scale in (
@@ -141,7 +141,7 @@ PIECES = [
 @given(
     st.one_of(st.text(max_size=200), st.lists(st.sampled_from(PIECES), max_size=60).map("".join))
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_no_text_breaks_a_parser(text: str) -> None:
     for parser in PARSERS.values():
         for place in parser(text):

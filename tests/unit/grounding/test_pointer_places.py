@@ -79,7 +79,7 @@ def test_just_outside_is_meant_at_the_edge_and_far_outside_is_dropped() -> None:
 
 
 @given(st.lists(st.one_of(st.tuples(ANY, ANY), st.tuples(ANY, ANY, ANY, ANY)), max_size=6))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_whatever_the_numbers_places_are_inside_or_counted(
     numbers: list[tuple[float, ...]],
 ) -> None:
@@ -93,7 +93,7 @@ def test_whatever_the_numbers_places_are_inside_or_counted(
 
 
 @given(st.tuples(ANY, ANY, ANY, ANY))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_a_box_is_inside_the_picture_or_none(numbers: tuple[float, ...]) -> None:
     box = box_within(numbers, FRAME)
     if box is not None:

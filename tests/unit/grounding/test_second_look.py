@@ -17,12 +17,11 @@ from w2c_grounding.second_look import weights
 from w2c_grounding.second_look.crops import (
     GREY,
     PICTURE_WIDTH,
-    SHARP_SIDE,
-    SHARP_WIDTH,
     SIDE,
     brought_to_width,
     square_around,
 )
+from w2c_grounding.second_look.folding import folded
 from w2c_grounding.second_look.looks_again import LooksAgain
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork, said, with_words
 from w2c_grounding.second_look.regions import FAINTEST, worth_a_look
@@ -118,7 +117,7 @@ def test_a_family_with_boxes_of_its_own_is_left_alone() -> None:
     assert peak_point(asked(["red mug"], LightsBoth(boxes))[0])[0] > 190
 
 
-def test_it_is_asked_about_larger_and_sharper_squares_than_it_was_trained_on() -> None:
+def test_it_is_asked_about_squares_of_the_picture_at_the_width_of_its_training() -> None:
     shapes: list[tuple[int, ...]] = []
 
     class Notes(KnowsRed):
@@ -129,8 +128,8 @@ def test_it_is_asked_about_larger_and_sharper_squares_than_it_was_trained_on() -
     looks = LooksAgain(LightsBoth(), Notes(WORDS), edge=EDGE)
     context = looks.prepare(MUGS)
     looks.query(context, ["red mug"])
-    assert context.image.shape[1] == SHARP_WIDTH > PICTURE_WIDTH
-    assert shapes == [(2, 3, SHARP_SIDE, SHARP_SIDE)]
+    assert context.image.shape[1] == PICTURE_WIDTH
+    assert shapes == [(2, 3, SIDE, SIDE)]
 
 
 def test_many_phrases_with_and_without_regions_keep_their_order() -> None:
@@ -244,9 +243,24 @@ def test_any_box_of_a_picture_makes_a_square(
 
 
 def test_a_picture_is_brought_to_the_width_of_the_training() -> None:
-    small, scale = brought_to_width(np.zeros((720, 1280, 3), np.uint8))
-    assert small.shape == (432, 768, 3)
-    assert scale == pytest.approx(0.6)
+    small, scale = brought_to_width(np.zeros((1080, 1920, 3), np.uint8))
+    assert small.shape == (720, 1280, 3)
+    assert scale == pytest.approx(2.0 / 3.0)
+
+
+def test_norms_are_folded_into_convolutions_and_the_answers_stay() -> None:
+    torch.manual_seed(3)
+    network = SecondLookNetwork(WORDS)
+    squares = torch.rand(6, 3, SIDE, SIDE)
+    for _ in range(3):
+        network.see(squares)  # means and variances that no norm begins with
+    network.eval()
+    with torch.inference_mode():
+        expected = network.see(squares)
+        short = folded(network)
+        assert torch.allclose(short.see(squares), expected, atol=1e-4)
+        assert torch.equal(network.see(squares), expected)
+    assert not any(isinstance(one, torch.nn.BatchNorm2d) for one in short.modules())
 
 
 def test_words_that_only_introduce_are_not_read() -> None:

@@ -125,7 +125,7 @@ def test_colours_and_shapes_are_learned_and_told_apart(squares: Squares, data: P
     fresh = cut_out(write_pictures(data / "fresh", 12, first=500), seed=1)
     things = [n for n, cut in enumerate(fresh.cuts) if cut.item is not None]
     images = torch.from_numpy(fresh.pixels[things]).permute(0, 3, 1, 2).float() / 255.0
-    inner = torch.nn.functional.interpolate(images[:, :, 7:73, 7:73], size=crops.SIDE)
+    inner = torch.nn.functional.interpolate(images[:, :, 9:91, 9:91], size=crops.SIDE)
     right = []
     with torch.inference_mode():
         seen = network.see(inner)

@@ -23,7 +23,7 @@ SMALL = replace(TINY, image=128, width=64)
 lower_case = st.lists(st.text("abcdefgh", min_size=1, max_size=7), min_size=1, max_size=12)
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(lower_case)
 def test_every_word_of_the_training_becomes_one_token(spelled: list[str]) -> None:
     tokenizer = make_tokenizer(spelled, 24)

@@ -103,7 +103,7 @@ def test_a_hundred_kilobytes_are_refused_and_the_next_request_is_answered(
     assert caller.call(topics.COMPLETE, asked("the table")).message.value
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(text=words_without_marks())
 def test_no_text_at_all_breaks_the_model(shared_backend: LlamaCppBackend, text: str) -> None:
     answer = complete(shared_backend, asked(text), minute())

@@ -91,7 +91,7 @@ def test_without_a_list_any_short_number_may_stand() -> None:
     assert not fits(free, "99999")
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**31), text=st.lists(st.text("ab.'é+", min_size=1), min_size=1))
 def test_a_model_of_random_weights_says_nothing_else(
     shared_backend: LlamaCppBackend, seed: int, text: list[str]

@@ -49,7 +49,7 @@ def backend(tiny_model: Path) -> Iterator[LlamaCppBackend]:
     backend.close()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.sampled_from(SCHEMAS), words_without_marks(), st.integers(0, 2**31))
 def test_every_answer_fits_its_schema(
     backend: LlamaCppBackend, schema: dict[str, Any], words: str, seed: int

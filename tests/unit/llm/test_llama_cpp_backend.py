@@ -42,9 +42,7 @@ SCHEMAS: list[dict[str, Any]] = [
 ]
 
 
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     schema=st.sampled_from(SCHEMAS),
     words=words_without_marks(),

@@ -61,7 +61,7 @@ def test_a_line_that_is_no_example_is_named(tmp_path: Path) -> None:
         read_corpus(tmp_path / "missing")
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(text=st.text(max_size=60) | st.text("a '9\n\t\r.-{}\"é左", max_size=60))
 def test_llama_cpp_splits_texts_as_training_does(
     tiny_llama: tuple[LlamaModel, Tokenizer], text: str

@@ -96,7 +96,7 @@ def read_ply(encoded: bytes) -> tuple[list[str], np.ndarray]:
     return header.decode("ascii").splitlines(), np.frombuffer(body, kind)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(count=st.integers(0, 50), comment=st.text(max_size=40), seed=st.integers(0, 1000))
 def test_a_ply_file_holds_what_was_written(count: int, comment: str, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -25,7 +25,7 @@ from w2c_perception.growing import grow
 from w2c_perception.lift import Surface, lift
 from w2c_perception.window import find_seed
 
-SOME = settings(max_examples=12, deadline=None, derandomize=True)
+SOME = settings(max_examples=12, derandomize=True)
 MIDDLE = (160.5, 120.5)
 
 

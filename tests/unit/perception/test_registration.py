@@ -17,7 +17,7 @@ TABLE, TOP = 0.8, 0.95
 """Heights of a table, and of the box on it [m]"""
 SIDE = 0.12
 """Half of the box' sides; its middle is at x = 0.8"""
-SOME = settings(max_examples=10, deadline=None, derandomize=True)
+SOME = settings(max_examples=10, derandomize=True)
 
 
 def moved(turn: tuple[float, float], shift: tuple[float, float, float]) -> Matrix:

@@ -80,9 +80,7 @@ def test_nothing_else_is_left_in_the_directory(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["session.mcap"]
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(cut=st.floats(0.0, 1.0))
 def test_a_file_cut_anywhere_gives_a_prefix_of_its_messages(tmp_path: Path, cut: float) -> None:
     path = tmp_path / f"cut-{cut}.mcap"
@@ -156,9 +154,7 @@ def test_behind_the_torn_head_of_a_chunk_a_closed_file_is_read_on(
     assert recording.damage == Damage(complete=True, skipped_chunks=1)
 
 
-@settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(where=st.floats(0.0, 1.0, exclude_max=True), noise=st.binary(min_size=1, max_size=40))
 def test_of_a_closed_file_that_is_torn_anywhere_at_most_one_chunk_is_lost(
     closed: bytes, tmp_path: Path, where: float, noise: bytes

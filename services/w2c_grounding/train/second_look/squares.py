@@ -19,7 +19,7 @@ from w2c_grounding.train.data import (
     read_truth,
 )
 
-SIDE = 80
+SIDE = 100
 MARGIN = 0.4
 """More than at run time: a step cuts its own squares out of these, shifted and scaled"""
 LEAST_VISIBLE = 0.0005
