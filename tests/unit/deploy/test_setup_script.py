@@ -36,6 +36,47 @@ def run_setup(
     )
 
 
+def fake(path: Path, script: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"#!/bin/bash\n{script}\n")
+    path.chmod(0o755)
+
+
+def test_llama_cpp_is_built_here_without_amx_and_not_taken_from_a_cache(tmp_path: Path) -> None:
+    calls = tmp_path / "calls"
+    note = f'echo "$CFLAGS|$CXXFLAGS|$CMAKE_ARGS|$*" >> {calls}'
+    tools = tmp_path / "bin"
+    for name, script in (
+        ("python3", ":"),
+        ("g++", ":"),
+        ("nvidia-smi", ":"),
+        ("ldconfig", "echo libgomp.so.1 libOSMesa.so.8"),
+    ):
+        fake(tools / name, script)
+    for name in (*TOOLS, "mkdir"):
+        if name != "bash":
+            (tools / name).symlink_to(str(shutil.which(name)))
+    fake(tmp_path / "venv/bin/python", note)
+    fake(tmp_path / "venv/bin/w2c", ":")
+    shutil.copyfile(ROOT / "constraints.txt", tmp_path / "constraints.txt")
+    answer = subprocess.run(
+        [str(shutil.which("bash")), str(ROOT / "deploy" / "setup.sh")],
+        cwd=tmp_path,
+        env={"PATH": str(tools), "PYTHON": "python3", "VENV": "venv", "CFLAGS": "-O2"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stderr
+    (build,) = [line for line in calls.read_text().splitlines() if " wheel " in line]
+    flags, flags_of_cpp, cmake, arguments = build.split("|")
+    assert flags == "-U__AMX_INT8__ -O2"
+    assert flags_of_cpp.strip() == "-U__AMX_INT8__"
+    assert "-DLLAVA_BUILD=OFF" in cmake
+    assert "--no-cache-dir" in arguments
+    assert arguments.split()[-1].startswith("llama-cpp-python==")
+
+
 def test_missing_packages_are_named_with_the_command_that_installs_them(tmp_path: Path) -> None:
     answer = run_setup(tmp_path, sys.executable)
     assert answer.returncode == 2
