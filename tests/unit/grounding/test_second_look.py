@@ -188,6 +188,19 @@ def test_what_is_too_faint_too_small_or_hangs_together_is_not_looked_at_apart() 
     assert [one.score for one in found] == sorted((one.score for one in found), reverse=True)
 
 
+def test_a_speck_is_looked_at_where_it_is_the_hottest_alone() -> None:
+    assert [one.left for one in worth_a_look(heat((40, 60, 3, 0.8), (200, 60, 50, 0.9)), EDGE)] == [
+        200
+    ]
+    assert [one.left for one in worth_a_look(heat((40, 60, 3, 0.9), (200, 60, 50, 0.8)), EDGE)] == [
+        40,
+        200,
+    ]
+    # A piece may be larger than a speck and hold nothing but specks.
+    dusty = heat((40, 160, 40, 0.1), (44, 164, 3, 0.8), (60, 172, 3, 0.7), (200, 60, 50, 0.9))
+    assert [one.left for one in worth_a_look(dusty, EDGE)] == [200]
+
+
 def test_nothing_lit_is_nothing_to_look_at() -> None:
     class Dark(LightsBoth):
         def query(self, context: None, phrases: Sequence[str]) -> list[Evidence]:
