@@ -5,10 +5,14 @@ Pixels are (u right, v down), the centre of pixel (0, 0) is at (0.5, 0.5).
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from w2c_grounding.family import ScoredBox
+
+if TYPE_CHECKING:
+    from w2c_grounding.evidence import Region
 
 MAX_BOXES = 50
 """The best of a phrase that are looked at. A detector may answer with thousands of weak ones."""
@@ -61,8 +65,8 @@ def distinct(
     return tuple(kept)
 
 
-def area(box: ScoredBox) -> float:
-    """Return the area [px^2] of a box that is not inverted."""
+def area(box: "ScoredBox | Region") -> float:
+    """Return the area [px^2] of a box that is not inverted, or of the one around a region."""
     return (box.right - box.left) * (box.bottom - box.top)
 
 

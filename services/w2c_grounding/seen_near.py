@@ -13,13 +13,13 @@ class SeenNear(Generic[ContextT]):
 
     context: ContextT
     image: RgbImage
-    """Brought to a width"""
+    """Brought to the width of the training"""
     scale: float
     """Its pixels over those of the picture"""
 
 
 def seen_near(family: Family[ContextT], image: RgbImage) -> SeenNear[ContextT]:
-    """Return both; a family may have the picture brought to its width already."""
+    """Return both; a family that looks from near itself has scaled the picture already."""
     context = family.prepare(image)
     if isinstance(context, SeenNear):
         return SeenNear(context, context.image, context.scale)

@@ -8,7 +8,8 @@ import numpy as np
 from w2c_grounding.family import RgbImage
 
 PICTURE_WIDTH = 1280
-"""Pictures are brought to it [px]"""
+"""Pictures are brought to it first [px]: those of the training had it, and a small thing must not
+look sharper than it did there"""
 SIDE = 80
 """Of what the network reads [px]"""
 MARGIN = 0.15

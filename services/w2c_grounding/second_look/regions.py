@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from w2c_grounding.boxes import area
 from w2c_grounding.evidence import REGION_FRACTION, Region, regions_of
 from w2c_grounding.family import Heatmap
 
@@ -42,27 +43,26 @@ def worth_a_look(heatmap: Heatmap, edge: float = REGION_FRACTION) -> tuple[Regio
     clear: list[Region] = []
     faint: list[Region] = []
     for label in range(1, len(statistics)):
-        left, top, width, height, area = (int(value) for value in statistics[label])
+        left, top, width, height, cells = (int(value) for value in statistics[label])
         window = _Window.around(left, top, width, height)
-        warmest = float(window.of(heatmap).max())
+        if window.pixels < least_box:
+            needed = max(peak, FAINTEST)
+        elif cells < least_area:
+            needed = clear_from
+        else:
+            needed = FAINTEST
         # Where nothing fits, a hundred pieces are lit, and none is warm enough to be cut out.
-        if warmest < (FAINTEST if area >= least_area else clear_from):
-            continue
-        if window.pixels < least_box and warmest < peak:
+        if window.of(heatmap).max() < needed:
             continue
         piece = _Piece(heatmap, labels[window.rows, window.columns] == label, window)
         hottest = float(piece.heat.max())
         if hottest >= clear_from:
             clear += piece.regions(level / hottest)
-        elif hottest >= FAINTEST and area >= least_area:
+        elif hottest >= needed:
             faint += piece.regions(edge)[:1]
     clear = _hottest_first(clear)
-    things = [*clear[:1], *(one for one in clear[1:] if _box_area(one) >= least_box)]
+    things = [*clear[:1], *(one for one in clear[1:] if area(one) >= least_box)]
     return (*things, *_hottest_first(faint))[:MOST_REGIONS]
-
-
-def _box_area(region: Region) -> int:
-    return (region.right - region.left) * (region.bottom - region.top)
 
 
 def _hottest_first(regions: Sequence[Region]) -> list[Region]:

@@ -18,6 +18,8 @@ from w2c_grounding.outline.network import LAYERS, SIDE, OutlineNetwork
 from w2c_grounding.outline.redraw import redrawn
 from w2c_grounding.outline.window import LARGEST, Window, fits, layers, window_around
 from w2c_grounding.second_look.crops import brought_to_width
+from w2c_grounding.second_look.looks_again import LooksAgain
+from w2c_grounding.second_look.network import SecondLookNetwork
 from w2c_grounding.seen_near import SeenNear, seen_near
 
 EDGE = 0.3
@@ -248,8 +250,8 @@ def test_a_picture_is_brought_to_the_width_of_the_training() -> None:
     assert seen.scale == scale
 
 
-def test_a_picture_that_a_family_has_scaled_is_not_scaled_again() -> None:
-    seen = seen_near(Lights(heat()), picture())
+def test_a_picture_that_is_looked_at_twice_from_near_is_scaled_once() -> None:
+    seen = LooksAgain(Lights(heat()), SecondLookNetwork(["bar"])).prepare(picture())
     twice = seen_near(Prepared(seen), picture())
     assert twice.context is seen
     assert twice.image is seen.image

@@ -25,7 +25,7 @@ from w2c_grounding.train.second_look.batches import SquareBatches
 from w2c_grounding.train.second_look.commands import train
 from w2c_grounding.train.second_look.loss import match_loss
 from w2c_grounding.train.second_look.run import SecondLookAddition
-from w2c_grounding.train.second_look.squares import ELSEWHERE, SIDE, Squares, cut_out
+from w2c_grounding.train.second_look.squares import ELSEWHERE, MARGIN, SIDE, Squares, cut_out
 from w2c_grounding.train.second_look.trainer import SecondLookTrainer
 from w2c_grounding.train.vocabulary import vocabulary_of
 
@@ -125,7 +125,10 @@ def test_colours_and_shapes_are_learned_and_told_apart(squares: Squares, data: P
     fresh = cut_out(write_pictures(data / "fresh", 12, first=500), seed=1)
     things = [n for n, cut in enumerate(fresh.cuts) if cut.item is not None]
     images = torch.from_numpy(fresh.pixels[things]).permute(0, 3, 1, 2).float() / 255.0
-    inner = torch.nn.functional.interpolate(images[:, :, 9:91, 9:91], size=crops.SIDE)
+    rim = round(0.5 * SIDE * (MARGIN - crops.MARGIN) / (1.0 + MARGIN))
+    inner = torch.nn.functional.interpolate(
+        images[:, :, rim : SIDE - rim, rim : SIDE - rim], size=crops.SIDE
+    )
     right = []
     with torch.inference_mode():
         seen = network.see(inner)

@@ -20,6 +20,7 @@ from w2c_grounding.train.data import (
 )
 
 SIDE = 100
+"""Of what is kept [px]: what a step cuts out of it has as many as the network reads, or few more"""
 MARGIN = 0.4
 """More than at run time: a step cuts its own squares out of these, shifted and scaled"""
 LEAST_VISIBLE = 0.0005
