@@ -38,6 +38,9 @@ class ModelCard(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     second_look: bool = False
     """What a phrase lights is looked at again, from near, by the network of a file beside the
     weights: see `second_look`"""
+    things: bool = False
+    """The second look is taken at each thing of a picture, found by the network of a file, whatever
+    a phrase lights: see `things`"""
     outlines: bool = False
     """Where a thing ends is drawn from near, by the network of another file: see `outline`"""
 

@@ -27,6 +27,8 @@ class ClipSegContext:
     height: int
     activations: tuple[torch.Tensor, ...]
     """Each (1, tokens, hidden), of the layers in `config.extract_layers`"""
+    pixels: torch.Tensor
+    """(1, 3, side, side), normalised: what the tower saw"""
 
 
 class ClipSeg:
@@ -65,14 +67,15 @@ class ClipSeg:
         pixels = self._processor.image_processor(images=image, return_tensors="pt", **self._size)[
             "pixel_values"
         ]
+        pixels = pixels.to(self._model.device)
         output = self._model.clip.get_image_features(
-            pixel_values=pixels.to(self._model.device),
+            pixel_values=pixels,
             interpolate_pos_encoding=True,
             output_hidden_states=True,
         )
         # hidden_states[0] is the input of the first layer, so layer i is at i + 1.
         activations = tuple(output.hidden_states[layer + 1] for layer in self._model.extract_layers)
-        return ClipSegContext(image.shape[1], image.shape[0], activations)
+        return ClipSegContext(image.shape[1], image.shape[0], activations, pixels)
 
     @torch.inference_mode()
     def query(self, context: ClipSegContext, phrases: Sequence[str]) -> list[Evidence]:

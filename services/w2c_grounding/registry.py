@@ -1,10 +1,10 @@
 """Which model to load, and from where; the configuration may set its own threshold and template."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -16,6 +16,9 @@ from w2c_grounding.known import KNOWN
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.sizes import OTHERS, SIZE_WORDS, ComparesSizes
 from w2c_grounding.wording import check_template
+
+if TYPE_CHECKING:
+    from w2c_grounding.things.proposals import Thing
 
 EMBEDDED = Path(__file__).parent / "embedded"
 EMBEDDED_NAME = "embedded"
@@ -172,7 +175,20 @@ def _looking_again(
     from w2c_grounding.second_look.folding import folded
     from w2c_grounding.second_look.looks_again import LooksAgain
 
-    return LooksAgain(family, folded(weights.read(directory)), device, card.edge)
+    network = folded(weights.read(directory))
+    return LooksAgain(family, network, device, card.edge, _thing_finder(directory, device, card))
+
+
+def _thing_finder(
+    directory: Path, device: str, card: ModelCard
+) -> "Callable[[Any], Sequence[Thing]] | None":
+    """Return what finds things before anything is asked. Raises ModelError."""
+    if not card.things:
+        return None
+    from w2c_grounding.things import weights
+    from w2c_grounding.things.finder import ThingFinder
+
+    return ThingFinder(weights.read(directory), device)
 
 
 def _drawing_outlines(

@@ -8,7 +8,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from w2c.errors import ConfigError
+from w2c.errors import ConfigError, RefusedError
+from w2c_grounding.family import RgbImage
+from w2c_grounding.picture import decode
 
 MIN_VISIBLE_SHARE = 0.0012
 """Of the picture. What shows less (1106 pixels of 1280 x 720) is neither asked for nor called
@@ -115,6 +117,14 @@ def read_truth(path: Path) -> PictureTruth:
         return msgspec.json.decode(path.read_bytes(), type=PictureTruth)
     except (OSError, msgspec.DecodeError) as error:
         raise ConfigError(f"truth file {path}: {error}; render this picture again") from error
+
+
+def read_picture(path: Path, truth: PictureTruth) -> RgbImage:
+    """Read the picture of a truth file. Raises ConfigError."""
+    try:
+        return decode((path.parent / truth.image).read_bytes())
+    except (OSError, RefusedError) as error:
+        raise ConfigError(f"picture of {path}: {error}; render this picture again") from error
 
 
 def read_identity(path: Path, truth: PictureTruth) -> npt.NDArray[np.uint8]:

@@ -14,6 +14,7 @@ from w2c_grounding.card import ModelCard, read_card
 from w2c_grounding.outline import weights as outline_weights
 from w2c_grounding.registry import check_directory
 from w2c_grounding.second_look import weights as second_look_weights
+from w2c_grounding.things import weights as things_weights
 from w2c_grounding.train.augment import normalise
 from w2c_grounding.train.data import truth_files
 from w2c_grounding.train.growth import resized, with_side, with_words
@@ -118,6 +119,8 @@ class Run:
             compares_sizes=True,
             names_of_size=tuple(sorted({*before.names_of_size, *names_of_size(pictures.truths)})),
             second_look=carried(task.begin_with, checkpoint, second_look_weights.FILE),
+            # What finds things reads what sees pictures: it stays right only where that does.
+            things=task.words_only and carried(task.begin_with, checkpoint, things_weights.FILE),
             outlines=carried(task.begin_with, checkpoint, outline_weights.FILE),
         )
         save(trainer.averaged(), processor, card, checkpoint)

@@ -11,7 +11,6 @@ from w2c.errors import ConfigError
 from w2c_grounding.evidence import REGION_FRACTION, find, peak_point
 from w2c_grounding.family import Family
 from w2c_grounding.model_config import ModelConfig
-from w2c_grounding.picture import decode
 from w2c_grounding.registry import load
 from w2c_grounding.train.asker import Asker
 from w2c_grounding.train.data import (
@@ -19,6 +18,7 @@ from w2c_grounding.train.data import (
     PictureTruth,
     cropped,
     read_identity,
+    read_picture,
     read_truth,
     truth_files,
 )
@@ -108,10 +108,7 @@ Ask = tuple[str, PhraseKind | None, ObjectTruth | None]
 def _ask(
     family: Family[Any], path: Path, truth: PictureTruth, asks: Sequence[Ask], edge: float
 ) -> Iterable[Trial]:
-    try:
-        image = decode((path.parent / truth.image).read_bytes())
-    except OSError as error:
-        raise ConfigError(f"picture of {path}: {error}; render this picture again") from error
+    image = read_picture(path, truth)
     owners = read_identity(path, truth)
     context = family.prepare(image)
     for first in range(0, len(asks), MOST_PHRASES):

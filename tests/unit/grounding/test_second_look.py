@@ -26,6 +26,7 @@ from w2c_grounding.second_look.looks_again import LooksAgain
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork, said, with_words
 from w2c_grounding.second_look.regions import FAINTEST, worth_a_look
 from w2c_grounding.second_look.weighing import weighed
+from w2c_grounding.things.proposals import Thing
 
 EDGE = 0.3
 WORDS = ("red", "blue", "mug", "box")
@@ -132,10 +133,89 @@ def test_it_is_asked_about_squares_of_the_picture_at_the_width_of_its_training()
     assert shapes == [(2, 3, SIDE, SIDE)]
 
 
+def seen_at(left: int, top: int, side: int) -> Thing:
+    """Return a square thing of the picture, seen all over it, in fields of 10 px."""
+    places = np.zeros((24, 32), np.bool_)
+    places[top // 10 : (top + side) // 10, left // 10 : (left + side) // 10] = True
+    box = (left / 320, top / 240, (left + side) / 320, (top + side) / 240)
+    return Thing(box, places, 0.9)
+
+
+BOTH_THINGS = (seen_at(40, 60, 50), seen_at(200, 60, 50))
+
+
+class LightsNothing(LightsBoth):
+    """A family that misses everything."""
+
+    def query(self, context: None, phrases: Sequence[str]) -> list[Evidence]:
+        """Return the same faint heat for any phrase."""
+        return [Evidence(heat()) for _ in phrases]
+
+
+class CountsLooks(KnowsRed):
+    """Notes how many squares it is shown at a time."""
+
+    def __init__(self) -> None:
+        super().__init__(WORDS)
+        self.shown: list[int] = []
+
+    def see(self, squares: torch.Tensor) -> torch.Tensor:
+        """Return what it sees."""
+        self.shown.append(len(squares))
+        return super().see(squares)
+
+
+def asked_of_things(
+    phrases: Sequence[str],
+    family: LightsBoth,
+    things: Sequence[Thing] = BOTH_THINGS,
+    network: KnowsRed | None = None,
+) -> list[Heatmap]:
+    looks = LooksAgain(
+        family, network or KnowsRed(WORDS), edge=EDGE, find_things=lambda context: things
+    )
+    return [one.heatmap for one in looks.query(looks.prepare(MUGS), phrases)]
+
+
+def test_a_thing_that_the_family_misses_is_found_by_its_looks() -> None:
+    red, blue, teapot = asked_of_things(["red mug", "blue mug", "red teapot"], LightsNothing())
+    (there,) = find(red, 0.5, edge=EDGE).regions
+    assert (there.left, there.top, there.right, there.bottom) == (40, 60, 90, 110)
+    assert peak_point(blue)[0] > 190
+    assert np.array_equal(teapot, heat()), "a word that it does not know"
+    assert np.array_equal(asked(["red mug"], LightsNothing())[0], heat()), "without things"
+
+
+def test_things_are_looked_at_once_for_all_phrases() -> None:
+    network = CountsLooks()
+    asked_of_things(["red mug", "blue mug", "mug"] * 5, LightsBoth(), network=network)
+    assert network.shown == [2]
+
+
+def test_what_is_lit_beside_things_is_looked_at_as_well() -> None:
+    network = CountsLooks()
+    (blue,) = asked_of_things(["blue mug"], LightsBoth(), BOTH_THINGS[:1], network)
+    assert network.shown == [1, 1]
+    assert peak_point(blue)[0] > 190
+
+
+def test_a_picture_without_things_is_asked_about_as_ever() -> None:
+    (found,) = asked_of_things(["blue mug"], LightsBoth(), ())
+    assert np.array_equal(found, asked(["blue mug"])[0])
+
+
+def test_a_family_with_boxes_of_its_own_is_left_alone_where_things_are_known() -> None:
+    boxes = (ScoredBox(200.0, 60.0, 250.0, 110.0, 0.8),)
+    family = LightsBoth(boxes)
+    (found,) = asked_of_things(["red mug"], family)
+    assert np.array_equal(found, family.query(None, ["red mug"])[0].heatmap)
+
+
 def test_many_phrases_with_and_without_regions_keep_their_order() -> None:
     phrases = ["red mug", "teapot", "blue mug", "red mug"] * 20
-    answers = [peak_point(one)[0] < 100 for one in asked(phrases)]
-    assert answers == [True, False, False, True] * 20
+    for answered in (asked(phrases), asked_of_things(phrases, LightsBoth())):
+        answers = [peak_point(one)[0] < 100 for one in answered]
+        assert answers == [True, False, False, True] * 20
 
 
 def test_what_is_faint_beside_a_sure_region_is_looked_at_too() -> None:

@@ -14,11 +14,10 @@ from w2c_grounding.family import Family, Heatmap, RgbImage
 from w2c_grounding.outline.draws_outlines import regions_to_draw
 from w2c_grounding.outline.network import LAYERS, SIDE
 from w2c_grounding.outline.window import layers, window_around
-from w2c_grounding.picture import decode
 from w2c_grounding.second_look.crops import brought_to_width
 from w2c_grounding.sizes import SIZE_WORDS
 from w2c_grounding.train.asker import FURNITURE, framed
-from w2c_grounding.train.data import ROBOT, PictureTruth, read_identity, read_truth
+from w2c_grounding.train.data import ROBOT, PictureTruth, read_identity, read_picture, read_truth
 
 STORED = 96
 """Side of what is cut out [px]: a step cuts its own squares out of it, shifted and scaled"""
@@ -60,10 +59,7 @@ def lit(
         ConfigError: the picture is damaged.
     """
     truth = read_truth(path)
-    try:
-        image = decode((path.parent / truth.image).read_bytes())
-    except OSError as error:
-        raise ConfigError(f"picture of {path}: {error}; render this picture again") from error
+    image = read_picture(path, truth)
     owners = read_identity(path, truth)
     phrases = _phrases(truth, rng)
     if not phrases:

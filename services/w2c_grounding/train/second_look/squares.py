@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from w2c.errors import ConfigError
-from w2c_grounding.picture import decode
 from w2c_grounding.second_look.crops import brought_to_width, square_around
 from w2c_grounding.train.data import (
     ObjectTruth,
     PictureTruth,
     cropped,
     read_identity,
+    read_picture,
     read_truth,
 )
 
@@ -74,10 +73,7 @@ def _of_picture(
     path: Path, seed: int, number: int
 ) -> tuple[npt.NDArray[np.uint8], list[Cut], PictureTruth]:
     whole = read_truth(path)
-    try:
-        image, scale = brought_to_width(decode((path.parent / whole.image).read_bytes()))
-    except OSError as error:
-        raise ConfigError(f"picture of {path}: {error}; render this picture again") from error
+    image, scale = brought_to_width(read_picture(path, whole))
     seen = {item.id: item.visible_pixels for item in whole.objects}
     truth = cropped(whole, whole.width, whole.height, seen)
     least = LEAST_VISIBLE * whole.width * whole.height

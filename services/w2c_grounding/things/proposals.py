@@ -1,0 +1,80 @@
+"""From what the network of things answers to things: which places show the same one. Pure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from w2c_grounding.evidence import Mask
+
+THERE = 0.4
+"""Probability of a thing at a place that may show one"""
+SURE = 0.25
+"""Of a thing: that it is there, and that its box fits"""
+SAME = 0.5
+"""Intersection over union of boxes of places that show one thing"""
+CLOSE = 0.7
+"""And of those whose mean is its box"""
+MOST = 32
+"""Things of a picture, the surest ones"""
+Floats = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Something in a picture, whatever it is called."""
+
+    box: tuple[float, float, float, float]
+    """Left, top, right, bottom as shares of the picture's sides"""
+    places: Mask
+    """(rows, columns) where it is seen"""
+    score: float
+
+
+def things_of(there: Floats, fits: Floats, boxes: Floats) -> tuple[Thing, ...]:
+    """Return the things of a picture, the surest first.
+
+    Of the places that are left the surest one names a thing; places whose boxes are nearly the same
+    show that thing as well.
+
+    Args:
+        there: (rows, columns) logits that a thing is seen.
+        fits: (rows, columns) logits that its box fits.
+        boxes: (rows, columns, 4), as of `Thing`.
+    """
+    seen = _logistic(there)
+    rows, columns = np.nonzero(seen >= THERE)
+    scores = (seen * _logistic(fits))[rows, columns]
+    ends = np.clip(boxes[rows, columns], 0.0, 1.0)
+    left = np.ones(len(rows), np.bool_)
+    things: list[Thing] = []
+    for first in np.argsort(-scores, kind="stable"):
+        if not left[first]:
+            continue
+        if scores[first] < SURE or len(things) == MOST:
+            break
+        alike = _overlaps(ends[first], ends)
+        mine = left & (alike >= SAME)
+        mine[first] = True
+        left &= ~mine
+        close = mine & (alike >= CLOSE)
+        close[first] = True
+        box = np.average(ends[close], axis=0, weights=scores[close])
+        places = np.zeros(seen.shape, np.bool_)
+        places[rows[mine], columns[mine]] = True
+        low, top, right, bottom = (float(one) for one in box)
+        things.append(Thing((low, top, right, bottom), places, float(scores[first])))
+    return tuple(things)
+
+
+def _logistic(logits: Floats) -> Floats:
+    return np.asarray(1.0 / (1.0 + np.exp(-np.clip(logits, -30.0, 30.0))), np.float32)
+
+
+def _overlaps(box: Floats, others: Floats) -> Floats:
+    """Return the intersection over union of a box (4,) with others (n, 4)."""
+    low = np.maximum(box[:2], others[:, :2])
+    high = np.minimum(box[2:], others[:, 2:])
+    common = np.clip(high - low, 0.0, None).prod(axis=1)
+    joint = (box[2:] - box[:2]).prod() + (others[:, 2:] - others[:, :2]).prod(axis=1) - common
+    return np.asarray(common / np.maximum(joint, 1e-9), np.float32)
