@@ -171,8 +171,8 @@ def _looking_again(
     family: Family[Any], directory: Path, device: str, card: ModelCard
 ) -> Family[Any]:
     """Return the family with its second look. Raises ModelError."""
+    from w2c_grounding.folding import folded
     from w2c_grounding.second_look import weights
-    from w2c_grounding.second_look.folding import folded
     from w2c_grounding.second_look.looks_again import LooksAgain
 
     network = folded(weights.read(directory))
@@ -185,10 +185,11 @@ def _thing_finder(
     """Return what finds things before anything is asked. Raises ModelError."""
     if not card.things:
         return None
+    from w2c_grounding.folding import folded
     from w2c_grounding.things import weights
     from w2c_grounding.things.finder import ThingFinder
 
-    return ThingFinder(weights.read(directory), device)
+    return ThingFinder(folded(weights.read(directory)), device)
 
 
 def _drawing_outlines(

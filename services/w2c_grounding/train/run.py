@@ -119,8 +119,10 @@ class Run:
             compares_sizes=True,
             names_of_size=tuple(sorted({*before.names_of_size, *names_of_size(pictures.truths)})),
             second_look=carried(task.begin_with, checkpoint, second_look_weights.FILE),
-            # What finds things reads what sees pictures: it stays right only where that does.
-            things=task.words_only and carried(task.begin_with, checkpoint, things_weights.FILE),
+            # What finds things reads what sees pictures: it is right only as long as that stays.
+            things=task.words_only
+            and task.side is None
+            and carried(task.begin_with, checkpoint, things_weights.FILE),
             outlines=carried(task.begin_with, checkpoint, outline_weights.FILE),
         )
         save(trainer.averaged(), processor, card, checkpoint)

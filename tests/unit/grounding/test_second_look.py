@@ -13,6 +13,7 @@ from w2c.errors import ModelError
 from w2c_grounding.beside import carried
 from w2c_grounding.evidence import find, peak_point, regions_of
 from w2c_grounding.family import Evidence, Heatmap, RgbImage, ScoredBox
+from w2c_grounding.folding import folded
 from w2c_grounding.second_look import weights
 from w2c_grounding.second_look.crops import (
     GREY,
@@ -21,7 +22,6 @@ from w2c_grounding.second_look.crops import (
     brought_to_width,
     square_around,
 )
-from w2c_grounding.second_look.folding import folded
 from w2c_grounding.second_look.looks_again import LooksAgain
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork, said, with_words
 from w2c_grounding.second_look.regions import FAINTEST, worth_a_look

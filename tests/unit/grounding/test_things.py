@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from w2c.errors import ModelError
 from w2c_grounding.clipseg import ClipSegContext
 from w2c_grounding.evidence import find, regions_of
+from w2c_grounding.folding import folded
 from w2c_grounding.things import weights
 from w2c_grounding.things.finder import ThingFinder
 from w2c_grounding.things.network import FINER, ThingsNetwork
@@ -197,6 +198,22 @@ def test_weights_are_written_and_read(tmp_path: Path) -> None:
     assert torch.allclose(before, after, atol=0.05)
     assert (tmp_path / weights.FILE).stat().st_mode & 0o044 == 0o044
     assert isinstance(ThingFinder(again)(seen), tuple)
+
+
+def test_norms_are_folded_and_the_answers_stay() -> None:
+    torch.manual_seed(2)
+    network = ThingsNetwork(16)
+    seen = context()
+    for _ in range(3):  # the norms have seen something
+        network(seen.activations, seen.pixels)
+    network.eval()
+    fewer = folded(network)
+    assert not [part for part in fewer.modules() if isinstance(part, torch.nn.BatchNorm2d)]
+    with torch.inference_mode():
+        for before, after in zip(
+            *(one(seen.activations, seen.pixels) for one in (network, fewer)), strict=True
+        ):
+            assert torch.allclose(before, after, atol=1e-4)
 
 
 @pytest.mark.parametrize("damage", ["missing", "cut", "no width"])

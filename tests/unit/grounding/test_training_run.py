@@ -17,6 +17,8 @@ from w2c.errors import ConfigError, ModelError
 from w2c_grounding.card import read_card, write_card
 from w2c_grounding.model_config import ModelConfig
 from w2c_grounding.registry import load
+from w2c_grounding.things import weights as things_weights
+from w2c_grounding.things.network import ThingsNetwork
 from w2c_grounding.train.commands import train
 from w2c_grounding.train.model import read
 from w2c_grounding.train.plan import Plan
@@ -107,6 +109,28 @@ def test_of_words_alone_what_sees_pictures_learns_nothing(
     assert not any("vision_model" in name for name in changed)
     assert any("text_model" in name for name in changed)
     assert any(name.startswith("decoder") for name in changed)
+
+
+@pytest.mark.parametrize(
+    ("words_only", "side", "kept"), [(True, None, True), (False, None, False), (True, 64, False)]
+)
+def test_what_finds_things_is_kept_as_long_as_what_sees_pictures(
+    *,
+    words_only: bool,
+    side: int | None,
+    kept: bool,
+    task: Task,
+    trained: dict[str, float],
+    tmp_path: Path,
+) -> None:
+    before = shutil.copytree(task.out / "checkpoint", tmp_path / "before")
+    things_weights.write(ThingsNetwork(2 * TINY.width), before)
+    begun = replace(
+        task, out=tmp_path, begin_with=before, steps=1, words_only=words_only, side=side
+    )
+    assert Run(begun, StepClock(), lambda _: None)() is not None
+    assert read_card(tmp_path / "checkpoint", "").things == kept
+    assert (tmp_path / "checkpoint" / things_weights.FILE).is_file() == kept
 
 
 def test_words_alone_need_a_checkpoint_that_sees(task: Task, tmp_path: Path) -> None:
