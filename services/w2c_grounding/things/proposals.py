@@ -15,6 +15,8 @@ SAME = 0.5
 """Intersection over union of boxes of places that show one thing"""
 CLOSE = 0.7
 """And of those whose mean is its box"""
+BORDER = 0.006
+"""Of the sides of the picture: an end of a box that is so near to the border lies on it"""
 MOST = 32
 """Things of a picture, the surest ones"""
 Floats = npt.NDArray[np.float32]
@@ -62,6 +64,8 @@ def things_of(there: Floats, fits: Floats, boxes: Floats) -> tuple[Thing, ...]:
         box = np.average(ends[close], axis=0, weights=scores[close])
         places = np.zeros(seen.shape, np.bool_)
         places[rows[mine], columns[mine]] = True
+        # What ends so near to the border ends beyond it, as far as one knows.
+        box = np.where(box < BORDER, 0.0, np.where(box > 1.0 - BORDER, 1.0, box))
         low, top, right, bottom = (float(one) for one in box)
         things.append(Thing((low, top, right, bottom), places, float(scores[first])))
     return tuple(things)

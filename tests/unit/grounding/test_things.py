@@ -86,6 +86,13 @@ def test_boxes_end_at_the_border() -> None:
     assert found.box == pytest.approx((0.0, 0.3, 0.4, 1.0))
 
 
+def test_what_ends_next_to_the_border_is_cut_off_by_it() -> None:
+    (found,) = things_of(*answers(((0.004, 0.3, 0.4, 0.997), LEFT, 2.0)))
+    assert found.box == pytest.approx((0.0, 0.3, 0.4, 1.0))
+    (found,) = things_of(*answers(((0.02, 0.3, 0.4, 0.98), LEFT, 2.0)))
+    assert found.box == pytest.approx((0.02, 0.3, 0.4, 0.98))
+
+
 @given(seed=st.integers(0, 10_000), spread=st.floats(0.1, 50.0))
 def test_things_share_no_place_and_lie_within_the_picture(seed: int, spread: float) -> None:
     rng = np.random.default_rng(seed)
