@@ -70,16 +70,11 @@ def area(box: "ScoredBox | Region") -> float:
     return (box.right - box.left) * (box.bottom - box.top)
 
 
-def common_area(first: "ScoredBox | Region", second: "ScoredBox | Region") -> float:
-    """Return the area [px^2] that two boxes that are not inverted, or those around regions, share."""
-    width = min(first.right, second.right) - max(first.left, second.left)
-    height = min(first.bottom, second.bottom) - max(first.top, second.top)
-    return max(0.0, width) * max(0.0, height)
-
-
 def intersection_over_union(first: ScoredBox, second: ScoredBox) -> float:
     """Return the common area over the joint area, 0 to 1. Neither box is empty."""
-    common = common_area(first, second)
+    width = min(first.right, second.right) - max(first.left, second.left)
+    height = min(first.bottom, second.bottom) - max(first.top, second.top)
+    common = max(0.0, width) * max(0.0, height)
     return common / (area(first) + area(second) - common)
 
 

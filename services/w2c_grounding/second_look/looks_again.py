@@ -7,13 +7,14 @@ from typing import Generic
 import numpy as np
 import torch
 
+from w2c_grounding.boxes import area
 from w2c_grounding.evidence import REGION_FRACTION, Region
 from w2c_grounding.family import ContextT, Evidence, Family, Heatmap, RgbImage
 from w2c_grounding.pretrained import Remembered
 from w2c_grounding.second_look.crops import square_around
 from w2c_grounding.second_look.network import WIDTH, SecondLookNetwork, said
 from w2c_grounding.second_look.regions import worth_a_look
-from w2c_grounding.second_look.weighing import TRUST, weighed
+from w2c_grounding.second_look.weighing import weighed
 from w2c_grounding.seen_near import SeenNear, seen_near
 from w2c_grounding.things.proposals import Thing
 from w2c_grounding.things.territory import Box, Territory, divided, lit, outside
@@ -22,11 +23,11 @@ _AT_ONCE = 256
 """Squares, to bound memory: a phrase has a few, a request up to 200 phrases"""
 
 
-THINGS_TRUST = 1.0
-"""What a logit of the second look counts beside one of the heat, where it saw a whole thing"""
-
 CLEAR = 0.2
 """Heat beside all things that is worth a look: what is fainter is a thing, or none"""
+
+LEAST_BESIDE = 0.001
+"""Of the picture: a smaller box beside all things is the glow of one"""
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ class LooksAgain(Generic[ContextT]):
         others = [
             one
             for one in worth_a_look(outside(heatmap, context.territory), self._edge)
-            if one.score >= CLEAR
+            if one.score >= CLEAR and area(one) >= LEAST_BESIDE * heatmap.size
         ]
         raised, things = lit(heatmap, context.territory, self._edge)
         return _Lit(raised, things, tuple(others))
@@ -148,8 +149,7 @@ class LooksAgain(Generic[ContextT]):
             if not len(mine):
                 logits.append([])
                 continue
-            found = self._network.match(mine, next(meanings).expand(len(mine), -1)).clone()
-            found[: len(by.things)] *= THINGS_TRUST / TRUST
+            found = self._network.match(mine, next(meanings).expand(len(mine), -1))
             logits.append(found.float().tolist())
         return logits
 

@@ -7,7 +7,7 @@ import numpy as np
 from w2c_grounding.evidence import REGION_FRACTION, Region
 from w2c_grounding.family import Heatmap
 
-TRUST = 0.6
+TRUST = 0.8
 """What a logit of the second look counts beside one of the heat"""
 MOST_CERTAIN = 9.0
 """Logit of a heat of 1: a model's heat of 1 is rounded, not certain"""

@@ -1,6 +1,6 @@
 """From what the network of things answers to things: which places show the same one. Pure."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,10 +11,12 @@ THERE = 0.4
 """Probability of a thing at a place that may show one"""
 SURE = 0.25
 """Of a thing: that it is there, and that its box fits"""
-SAME = 0.5
+ALIKE = 0.7
 """Intersection over union of boxes of places that show one thing"""
-CLOSE = 0.7
-"""And of those whose mean is its box"""
+SAME = 0.5
+"""Of boxes of two groups of such places that may show one thing"""
+FEW = 0.5
+"""Of the places of the larger one: where the smaller one has less, it is a fringe of that. Of two things that lie on each other both are seen at many places"""
 BORDER = 0.006
 """Of the sides of the picture: an end of a box that is so near to the border lies on it"""
 MOST = 32
@@ -55,20 +57,33 @@ def things_of(there: Floats, fits: Floats, boxes: Floats) -> tuple[Thing, ...]:
             continue
         if scores[first] < SURE or len(things) == MOST:
             break
-        alike = _overlaps(ends[first], ends)
-        mine = left & (alike >= SAME)
+        mine = left & (_overlaps(ends[first], ends) >= ALIKE)
         mine[first] = True
         left &= ~mine
-        close = mine & (alike >= CLOSE)
-        close[first] = True
-        box = np.average(ends[close], axis=0, weights=scores[close])
         places = np.zeros(seen.shape, np.bool_)
         places[rows[mine], columns[mine]] = True
-        # What ends so near to the border ends beyond it, as far as one knows.
-        box = np.where(box < BORDER, 0.0, np.where(box > 1.0 - BORDER, 1.0, box))
-        low, top, right, bottom = (float(one) for one in box)
-        things.append(Thing((low, top, right, bottom), places, float(scores[first])))
+        box = np.average(ends[mine], axis=0, weights=scores[mine])
+        _add(Thing(_within(box), places, float(scores[first])), things)
     return tuple(things)
+
+
+def _add(found: Thing, things: list[Thing]) -> None:
+    """Add a thing, or its places to those of one that it is the fringe of, or the other way."""
+    count = np.count_nonzero(found.places)
+    for number, thing in enumerate(things):
+        others = np.count_nonzero(thing.places)
+        alike = _overlaps(np.array(found.box, np.float32), np.array([thing.box], np.float32))[0]
+        if alike >= SAME and min(count, others) < FEW * max(count, others):
+            things[number] = replace(thing, places=thing.places | found.places)
+            return
+    things.append(found)
+
+
+def _within(box: Floats) -> tuple[float, float, float, float]:
+    """Return a box of which an end so near to the border that nobody knows lies on it."""
+    ends = np.where(box < BORDER, 0.0, np.where(box > 1.0 - BORDER, 1.0, box))
+    left, top, right, bottom = (float(one) for one in ends)
+    return left, top, right, bottom
 
 
 def _logistic(logits: Floats) -> Floats:

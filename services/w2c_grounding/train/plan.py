@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-NAME = "w2c-clipseg-11"
+NAME = "w2c-clipseg-12"
 """Of what is trained, where nobody gives it another"""
 
 _CPU_FLAGS = Path("/proc/cpuinfo")

@@ -211,15 +211,6 @@ def test_what_is_hidden_in_part_is_as_large_as_it_is_long() -> None:
     assert peak_point(chosen.heatmap)[0] < 100
 
 
-def test_a_part_of_a_thing_is_not_the_small_one() -> None:
-    both = heat((20, 10, 110, 0.9), (10, 130, 66, 0.9))
-    both[38:82, 48:92] = 0.0
-    both[42:78, 52:88] = 0.9
-    small = compared(Evidence(both), THRESHOLD, large=False)
-    assert peak_point(small.heatmap)[1] > 125
-    assert float(small.heatmap[60, 70]) < 0.5
-
-
 def test_both_may_be_cut_off() -> None:
     cut_off = (0, 50, 20, 0.9), (0, 100, 40, 0.9)
     small = compared(Evidence(heat(*cut_off)), THRESHOLD, large=False)

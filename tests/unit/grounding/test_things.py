@@ -67,13 +67,31 @@ def test_places_with_the_same_box_are_one_thing() -> None:
 
 def test_the_box_is_a_mean_of_those_that_agree() -> None:
     near = (0.5, 0.2, 0.9, 0.84)
-    half = (0.5, 0.2, 0.9, 0.55)
-    there, fits, boxes = answers((RIGHT_BOX, np.s_[2:4, 5:9], 2.0), (near, np.s_[4:6, 5:9], 2.0))
-    there[6:8, 5:9], fits[6:8, 5:9], boxes[6:8, 5:9] = 5.0, 0.0, half
-    (found,) = things_of(there, fits, boxes)
+    (found,) = things_of(*answers((RIGHT_BOX, np.s_[2:5, 5:9], 2.0), (near, np.s_[5:8, 5:9], 2.0)))
     assert found.box == pytest.approx((0.5, 0.2, 0.9, 0.82))
-    # What shares half of its area with the box shows the thing, and has no say in where it ends.
-    assert found.places.sum() == 24
+    assert np.array_equal(found.places, places(*RIGHT))
+
+
+HALF_BOX = (0.5, 0.2, 0.9, 0.55)
+
+
+def test_a_fringe_with_half_of_the_box_belongs_to_the_thing() -> None:
+    (found,) = things_of(
+        *answers((RIGHT_BOX, np.s_[2:7, 5:9], 2.0), (HALF_BOX, np.s_[7:8, 5:9], 0.0))
+    )
+    assert found.box == pytest.approx(RIGHT_BOX)
+    assert np.array_equal(found.places, places(*RIGHT))
+
+
+@pytest.mark.parametrize("surer", ["what lies on it", "what it lies on"])
+def test_what_lies_on_a_thing_and_hides_half_of_it_is_another(surer: str) -> None:
+    on, below = (2.0, 1.0) if surer == "what lies on it" else (1.0, 2.0)
+    found = things_of(
+        *answers((HALF_BOX, np.s_[2:5, 5:9], on), (RIGHT_BOX, np.s_[5:8, 5:9], below))
+    )
+    lower, higher = sorted((one.box for one in found), key=lambda box: box[3], reverse=True)
+    assert lower == pytest.approx(RIGHT_BOX)
+    assert higher == pytest.approx(HALF_BOX)
 
 
 def test_what_is_seen_nowhere_or_fits_badly_is_no_thing() -> None:
