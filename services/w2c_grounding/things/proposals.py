@@ -16,7 +16,8 @@ ALIKE = 0.7
 SAME = 0.5
 """Of boxes of two groups of such places that may show one thing"""
 FEW = 0.5
-"""Of the places of the larger one: where the smaller one has less, it is a fringe of that. Of two things that lie on each other both are seen at many places"""
+"""Of the places of the larger one: where the smaller one has less, it is a fringe of that. Of two
+things that lie on each other both are seen at many places"""
 BORDER = 0.006
 """Of the sides of the picture: an end of a box that is so near to the border lies on it"""
 MOST = 32
