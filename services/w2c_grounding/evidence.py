@@ -71,6 +71,13 @@ class Finding:
     """How many boxes of the model made no sense"""
 
 
+def logit(probability: float, largest: float) -> float:
+    """Return the logarithm of the odds of a probability, not beyond a bound on either side."""
+    least = 1.0 / (1.0 + math.exp(largest))
+    bounded = min(max(probability, least), 1.0 - least)
+    return math.log(bounded / (1.0 - bounded))
+
+
 def heatmap_from_logits(logits: npt.NDArray[np.float32], width: int, height: int) -> Heatmap:
     """Return the probabilities of logits (h, w) that cover the whole picture, at its size.
 

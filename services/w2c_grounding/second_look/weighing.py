@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from w2c_grounding.evidence import REGION_FRACTION, Region
+from w2c_grounding.evidence import REGION_FRACTION, Region, logit
 from w2c_grounding.family import Heatmap
 
 TRUST = 0.8
@@ -34,7 +34,7 @@ def weighed(
         logits: What the second look says of each, finite.
         edge: Share of the peak at which a thing ends.
     """
-    scores = [_together(one.score, logit) for one, logit in zip(regions, logits, strict=True)]
+    scores = [_together(one.score, second) for one, second in zip(regions, logits, strict=True)]
     highest = max(scores)
     hottest = max(float(heatmap.max()), 1e-6)
     beside = np.float32(BESIDE * edge * highest)
@@ -47,9 +47,7 @@ def weighed(
     return result
 
 
-def _together(heat: float, logit: float) -> float:
+def _together(heat: float, second: float) -> float:
     """Return the score of both looks, within (0, 1)."""
-    least = 1.0 / (1.0 + np.exp(MOST_CERTAIN))
-    bounded = min(max(heat, least), 1.0 - least)
-    total = np.log(bounded / (1.0 - bounded)) + TRUST * logit
+    total = logit(heat, MOST_CERTAIN) + TRUST * second
     return float(1.0 / (1.0 + np.exp(-np.clip(total, -LARGEST_LOGIT, LARGEST_LOGIT))))

@@ -187,6 +187,20 @@ def test_what_is_less_sure_is_not_smaller_for_that() -> None:
     assert peak_point(chosen.heatmap)[0] > 90
 
 
+def test_where_one_is_certain_another_that_is_likely_is_not_of_its_kind() -> None:
+    certain, likely = (100, 100, 60, 0.9999), (10, 10, 30, 0.85)
+    beside = compared(Evidence(heat(certain, likely)), THRESHOLD, large=False)
+    assert peak_point(beside.heatmap)[0] >= 100
+    both = compared(Evidence(heat((100, 100, 60, 0.9), likely)), THRESHOLD, large=False)
+    assert peak_point(both.heatmap)[0] < 50
+
+
+def test_where_none_is_likely_all_are_compared() -> None:
+    faint = heat((100, 100, 60, 0.4), (10, 10, 30, 0.38))
+    small = compared(Evidence(faint), 0.3, large=False)
+    assert peak_point(small.heatmap)[0] < 50
+
+
 WHOLE = (100, 80, 40, 0.9)
 
 
