@@ -114,7 +114,7 @@ def test_of_a_detectors_boxes_one_remains(large: bool, index: int) -> None:
         pytest.param((), id="nothing"),
         pytest.param(((2, 100, 99, 0.9), (101, 100, 99, 0.9)), id="two alike"),
         pytest.param((LARGER, (10, 10, 20, 0.3)), id="the other far below the threshold"),
-        pytest.param((LARGER, (10, 10, 20, 0.7)), id="the other less sure"),
+        pytest.param(((100, 100, 60, 0.99), (10, 10, 20, 0.7)), id="the other less sure"),
         pytest.param(((10, 10, 40, 0.4), (100, 100, 60, 0.4)), id="none that fits"),
         pytest.param(((10, 10, 40, 0.9), (100, 100, 4, 0.9)), id="a stain"),
         pytest.param(((10, 10, 90, 0.9), (120, 120, 12, 0.9)), id="a piece"),
