@@ -85,6 +85,9 @@ _PLACES = frozenset(
 )  # fmt: skip
 """After a comma they begin something else"""
 
+_AFTER_A_NAME = _PLACES | {"from", "please", "using"}
+_VERBS_OF_IT = frozenset({"can", "will", "would"})
+
 
 def naming_spans(utterance: Utterance) -> list[Span]:
     """Return the spans that may name a thing, in order."""
@@ -100,6 +103,7 @@ def naming_spans(utterance: Utterance) -> list[Span]:
         and not is_cut(heard, first, last)
         and not _goes_past(heard, first, last)
         and not _stops_short(words, last)
+        and not _parts_it_from_a_noun(heard, last)
         and not _takes_of_a_limb(words, first, last)
     ]
 
@@ -120,6 +124,23 @@ def _goes_past(heard: Sequence[str], first: int, last: int) -> bool:
 def _stops_short(words: Sequence[str], last: int) -> bool:
     """Tell whether a name ends before what a thing is for: `the thing to | hit with`."""
     return words[last] == "to" and words[last - 1] in _ANYTHING and last + 1 < len(words)
+
+
+def _parts_it_from_a_noun(heard: Sequence[str], last: int) -> bool:
+    """Tell whether a name ends before, or at, an `it` that is no pronoun: `cheez | it box`.
+
+    A pronoun has no noun behind it with which the sentence, or its part, ends. What ends with an s
+    may be its verb: `on the shelf it goes`.
+    """
+    it = last if heard[last] == "it" else last + 1
+    noun = it + 1
+    if noun >= len(heard) or heard[it] != "it":
+        return False
+    if heard[it - 1].endswith(",") or heard[it - 1] in _PLACES:
+        return False
+    ends = noun + 1 == len(heard) or heard[noun].endswith(",") or heard[noun + 1] in _AFTER_A_NAME
+    word = heard[noun].rstrip(",")
+    return ends and not word.endswith("s") and word not in NO_NAMES | _PLACES | _VERBS_OF_IT
 
 
 def _takes_of_a_limb(words: Sequence[str], first: int, last: int) -> bool:

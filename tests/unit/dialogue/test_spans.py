@@ -109,6 +109,35 @@ def test_the_schema_allows_what_may_be_a_name_and_stays_small(words: list[str]) 
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "take the cardboard cheez it box with your left palm.",
+        "touch the cardboard cheez it box",
+        "right of the cardboard cheez it box, please",
+    ],
+)
+def test_a_pronoun_has_no_noun_behind_it(text: str) -> None:
+    found = names(text)
+    assert "cardboard cheez it box" in found
+    assert found.isdisjoint({"cardboard cheez", "cheez", "cardboard cheez it"})
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "grab the cup, it is near",
+        "see the cup it is near the door",
+        "take the cup it stands by the lamp",
+        "the cup, it looks nice",
+        "touch the cup it has",
+        "you see the cup it",
+    ],
+)
+def test_before_a_pronoun_a_name_may_end(text: str) -> None:
+    assert "cup" in names(text)
+
+
+@pytest.mark.parametrize(
     ("text", "whole"),
     [
         ("lean on the thing to wear", "thing to wear"),
