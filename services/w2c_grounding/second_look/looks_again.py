@@ -79,7 +79,8 @@ class LooksAgain(Generic[ContextT]):
         """
         self.family = family
         # Squares come with their channels last, which is what convolutions are quickest with.
-        self._network = network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        last = torch.channels_last
+        self._network: SecondLookNetwork = network.to(device).to(memory_format=last)  # type: ignore[call-overload]
         self._device = device
         self._edge = edge
         self._find_things = find_things

@@ -13,7 +13,7 @@ class ThingFinder:
 
     def __init__(self, network: ThingsNetwork, device: str = "cpu") -> None:
         last = torch.channels_last
-        self._network = network.to(device).to(memory_format=last).eval()  # type: ignore[call-overload]
+        self._network: ThingsNetwork = network.to(device).to(memory_format=last).eval()  # type: ignore[call-overload]
 
     @torch.inference_mode()
     def __call__(self, context: ClipSegContext) -> tuple[Thing, ...]:
