@@ -21,11 +21,8 @@ from w2c_grounding.things.territory import Box, Territory, divided, lit, outside
 
 _AT_ONCE = 256
 """Squares, to bound memory: a phrase has a few, a request up to 200 phrases"""
-
-
 CLEAR = 0.2
 """Heat beside all things that is worth a look: what is fainter is a thing, or none"""
-
 LEAST_BESIDE = 0.001
 """Of the picture: a smaller box beside all things is the glow of one"""
 
