@@ -12,6 +12,7 @@ import pytest
 import torch
 from msgspec import structs
 
+from fakes.additions import changed_by_a_step, have_the_same_weights, trained_in_parts, without
 from fakes.rendered import COLOURS, write_pictures
 from w2c.clock import StepClock
 from w2c.errors import ConfigError, ModelError
@@ -203,39 +204,27 @@ def test_a_checkpoint_is_asked_without_outlines_and_sizes(
 def test_a_checkpoint_whose_outlines_are_missing_is_refused(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    for file in (task.out / "checkpoint").iterdir():
-        if file.name != weights.FILE:
-            (tmp_path / file.name).write_bytes(file.read_bytes())
+    copy = without(weights.FILE, task.out / "checkpoint", tmp_path)
     with pytest.raises(ModelError, match="w2c train outline"):
-        load(ModelConfig(model=str(tmp_path), threads=1))
+        load(ModelConfig(model=str(copy), threads=1))
 
 
 def test_an_interrupted_training_ends_with_the_same_weights(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    parted = replace(task, out=tmp_path)
-    asked = iter([False, True])
-    assert add(OutlineAddition, parted, StepClock(), lambda _: None, lambda: next(asked)) is None
-    assert not (tmp_path / "checkpoint").exists()
-    assert add(OutlineAddition, replace(parted, resume=True), StepClock(), lambda _: None)
-    straight, resumed = (
-        weights.read(one / "checkpoint").state_dict() for one in (task.out, tmp_path)
-    )
-    assert all(torch.equal(straight[name], resumed[name]) for name in straight)
+    parted = trained_in_parts(OutlineAddition, task, tmp_path)
+    assert have_the_same_weights(weights.read, task.out, parted.out)
     with pytest.raises(ConfigError, match="seed was 0, now 4"):
-        add(OutlineAddition, replace(parted, resume=True, seed=4), StepClock(), lambda _: None)
+        add(OutlineAddition, replace(parted, seed=4), StepClock(), lambda _: None)
 
 
 def test_outlines_that_are_there_are_gone_on_from(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    further = replace(task, checkpoint=task.out / "checkpoint", out=tmp_path, steps=1, name="more")
-    assert add(OutlineAddition, further, StepClock(), lambda _: None)
-    before, after = (
-        weights.read(one / "checkpoint").state_dict()["stem.0.weight"]
-        for one in (task.out, tmp_path)
+    change = changed_by_a_step(
+        OutlineAddition, task, tmp_path, weights.read, "stem.0.weight", name="more"
     )
-    assert 0.0 < float((before - after).abs().max()) < 0.02
+    assert 0.0 < change < 0.02
     assert read_card(tmp_path / "checkpoint", "").name == "more"
 
 

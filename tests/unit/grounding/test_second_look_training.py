@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import torch
 
+from fakes.additions import changed_by_a_step, have_the_same_weights, trained_in_parts, without
 from fakes.rendered import write_pictures
 from w2c.clock import StepClock
 from w2c.errors import ConfigError, ModelError
@@ -168,42 +169,27 @@ def test_a_training_adds_a_second_look_to_a_checkpoint(
 def test_a_checkpoint_whose_second_look_is_missing_is_refused(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    for file in (task.out / "checkpoint").iterdir():
-        if file.name != weights.FILE:
-            (tmp_path / file.name).write_bytes(file.read_bytes())
+    copy = without(weights.FILE, task.out / "checkpoint", tmp_path)
     with pytest.raises(ModelError, match="w2c train second-look"):
-        load(ModelConfig(model=str(tmp_path), threads=1))
+        load(ModelConfig(model=str(copy), threads=1))
 
 
 def test_an_interrupted_training_ends_with_the_same_weights(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    parted = replace(task, out=tmp_path)
-    asked = iter([False, True])
-    assert add(SecondLookAddition, parted, StepClock(), lambda _: None, lambda: next(asked)) is None
-    assert not (tmp_path / "checkpoint").exists()
-    assert (
-        add(SecondLookAddition, replace(parted, resume=True), StepClock(), lambda _: None)
-        is not None
-    )
-    straight, resumed = (
-        weights.read(one / "checkpoint").state_dict() for one in (task.out, tmp_path)
-    )
-    assert all(torch.equal(straight[name], resumed[name]) for name in straight)
+    parted = trained_in_parts(SecondLookAddition, task, tmp_path)
+    assert have_the_same_weights(weights.read, task.out, parted.out)
     with pytest.raises(ConfigError, match="seed was 0, now 4"):
-        add(SecondLookAddition, replace(parted, resume=True, seed=4), StepClock(), lambda _: None)
+        add(SecondLookAddition, replace(parted, seed=4), StepClock(), lambda _: None)
 
 
 def test_a_second_look_that_is_there_is_gone_on_from(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    further = replace(task, checkpoint=task.out / "checkpoint", out=tmp_path, steps=1, name="more")
-    assert add(SecondLookAddition, further, StepClock(), lambda _: None) is not None
-    before, after = (
-        weights.read(one / "checkpoint").state_dict()["summary.weight"]
-        for one in (task.out, tmp_path)
+    change = changed_by_a_step(
+        SecondLookAddition, task, tmp_path, weights.read, "summary.weight", name="more"
     )
-    assert 0.0 < float((before - after).abs().max()) < 0.02
+    assert 0.0 < change < 0.02
     assert load(ModelConfig(model=str(tmp_path / "checkpoint"), threads=1))[1].name == "more"
 
 

@@ -10,6 +10,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fakes.additions import changed_by_a_step, have_the_same_weights, trained_in_parts, without
 from fakes.rendered import write_pictures
 from fakes.tiny_models import TINY
 from w2c.clock import StepClock
@@ -199,36 +200,23 @@ def test_a_training_adds_things_to_a_checkpoint(task: Task, trained: dict[str, f
 def test_a_checkpoint_whose_things_are_missing_is_refused(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    for file in (task.out / "checkpoint").iterdir():
-        if file.name != weights.FILE:
-            (tmp_path / file.name).write_bytes(file.read_bytes())
+    copy = without(weights.FILE, task.out / "checkpoint", tmp_path)
     with pytest.raises(ModelError, match="w2c train things"):
-        load(ModelConfig(model=str(tmp_path), threads=1))
+        load(ModelConfig(model=str(copy), threads=1))
 
 
 def test_an_interrupted_training_ends_with_the_same_weights(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    parted = replace(task, out=tmp_path)
-    asked = iter([False, True])
-    assert add(ThingsAddition, parted, StepClock(), lambda _: None, lambda: next(asked)) is None
-    assert add(ThingsAddition, replace(parted, resume=True), StepClock(), lambda _: None)
-    straight, resumed = (
-        weights.read(one / "checkpoint").state_dict() for one in (task.out, tmp_path)
-    )
-    assert all(torch.equal(straight[name], resumed[name]) for name in straight)
+    parted = trained_in_parts(ThingsAddition, task, tmp_path)
+    assert have_the_same_weights(weights.read, task.out, parted.out)
 
 
 def test_things_that_are_found_already_are_gone_on_from(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    further = replace(task, checkpoint=task.out / "checkpoint", out=tmp_path, steps=1)
-    assert add(ThingsAddition, further, StepClock(), lambda _: None)
-    before, after = (
-        weights.read(one / "checkpoint").state_dict()["edges.0.weight"]
-        for one in (task.out, tmp_path)
-    )
-    assert 0.0 < float((before - after).abs().max()) < 0.02
+    change = changed_by_a_step(ThingsAddition, task, tmp_path, weights.read, "edges.0.weight")
+    assert 0.0 < change < 0.02
 
 
 def test_a_checkpoint_that_looks_once_has_no_use_for_things(
