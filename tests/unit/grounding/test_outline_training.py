@@ -221,9 +221,8 @@ def test_an_interrupted_training_ends_with_the_same_weights(
 def test_outlines_that_are_there_are_gone_on_from(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    change = changed_by_a_step(
-        OutlineAddition, task, tmp_path, weights.read, "stem.0.weight", name="more"
-    )
+    named = replace(task, name="more")
+    change = changed_by_a_step(OutlineAddition, named, tmp_path, weights.read, "stem.0.weight")
     assert 0.0 < change < 0.02
     assert read_card(tmp_path / "checkpoint", "").name == "more"
 

@@ -186,9 +186,8 @@ def test_an_interrupted_training_ends_with_the_same_weights(
 def test_a_second_look_that_is_there_is_gone_on_from(
     task: Task, trained: dict[str, float], tmp_path: Path
 ) -> None:
-    change = changed_by_a_step(
-        SecondLookAddition, task, tmp_path, weights.read, "summary.weight", name="more"
-    )
+    named = replace(task, name="more")
+    change = changed_by_a_step(SecondLookAddition, named, tmp_path, weights.read, "summary.weight")
     assert 0.0 < change < 0.02
     assert load(ModelConfig(model=str(tmp_path / "checkpoint"), threads=1))[1].name == "more"
 
