@@ -78,16 +78,21 @@ def logit(probability: float, largest: float) -> float:
     return math.log(bounded / (1.0 - bounded))
 
 
+def logistic(logits: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return the probabilities of logits."""
+    # Beyond 60 the logistic function is 0 or 1 to the last bit; the bound keeps exp from
+    # overflowing.
+    bounded = np.clip(logits.astype(np.float32), -60.0, 60.0)
+    return np.asarray(1.0 / (1.0 + np.exp(-bounded)), np.float32)
+
+
 def heatmap_from_logits(logits: npt.NDArray[np.float32], width: int, height: int) -> Heatmap:
     """Return the probabilities of logits (h, w) that cover the whole picture, at its size.
 
     The logistic function comes before the scaling, so that a value between two pixels is a
     probability between theirs.
     """
-    # Beyond 60 the logistic function is 0 or 1 to the last bit; the bound keeps exp from
-    # overflowing.
-    probabilities = 1.0 / (1.0 + np.exp(-np.clip(logits.astype(np.float32), -60.0, 60.0)))
-    return heatmap_from_probabilities(np.asarray(probabilities, np.float32), width, height)
+    return heatmap_from_probabilities(logistic(logits), width, height)
 
 
 def heatmap_from_probabilities(

@@ -47,7 +47,8 @@ ALIKE = 1.01
 NEARER = 0.8
 """How much longer a thing is at the lower edge of the picture than at the upper one, as a share of
 its length in the middle: the camera looks down, and what is lower is nearer. Of 1,338 pairs of
-training, true areas alone tell large from small in 85 %, with this in 89 %"""
+training, true areas alone tell large from small in 85 %, with 0.6 in 89 %; decision 0020 says why
+it is more on whole things"""
 LEVELS = (0.5, 0.8, 0.95)
 """Shares of the peak at which things that touch come apart, where they are one at the usual edge"""
 CUT_OFF = 1.3

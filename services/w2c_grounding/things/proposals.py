@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from w2c_grounding.evidence import Mask
+from w2c_grounding.evidence import Mask, logistic
 
 THERE = 0.4
 """Probability of a thing at a place that may show one"""
@@ -47,9 +47,9 @@ def things_of(there: Floats, fits: Floats, boxes: Floats) -> tuple[Thing, ...]:
         fits: (rows, columns) logits that its box fits.
         boxes: (rows, columns, 4), as of `Thing`.
     """
-    seen = _logistic(there)
+    seen = logistic(there)
     rows, columns = np.nonzero(seen >= THERE)
-    scores = (seen * _logistic(fits))[rows, columns]
+    scores = (seen * logistic(fits))[rows, columns]
     ends = np.clip(boxes[rows, columns], 0.0, 1.0)
     left = np.ones(len(rows), np.bool_)
     things: list[Thing] = []
@@ -85,10 +85,6 @@ def _within(box: Floats) -> tuple[float, float, float, float]:
     ends = np.where(box < BORDER, 0.0, np.where(box > 1.0 - BORDER, 1.0, box))
     left, top, right, bottom = (float(one) for one in ends)
     return left, top, right, bottom
-
-
-def _logistic(logits: Floats) -> Floats:
-    return np.asarray(1.0 / (1.0 + np.exp(-np.clip(logits, -30.0, 30.0))), np.float32)
 
 
 def _overlaps(box: Floats, others: Floats) -> Floats:
